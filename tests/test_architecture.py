@@ -1,4 +1,4 @@
-"""Imports follow the flow of data: synth <- models <- designs, and inside synth each layer sees only those before it.
+"""Imports follow the flow of data: synth <- models <- designs <- studies; a layer of synth sees only those before it.
 
 An import from layer a to layer b is allowed when rank(b) <= rank(a). Among the folders of designs/, those with a
 design.py are designs, the others are shared packages: no folder imports a design that it does not belong to, and no
@@ -77,10 +77,10 @@ LAYERS += (
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
-RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}
+RANK |= {(name,): len(LAYERS) + rank for rank, name in enumerate(("models", "designs", "studies"), 1)}
 ASSEMBLED = ("design.py", "__main__.py")
 LONGEST = 300  # lines of a module
-NOT_IN_A_REFERENCE = {"casadi", "synth", "models", "designs", "importlib"}
+NOT_IN_A_REFERENCE = {"casadi", "synth", "models", "designs", "studies", "importlib"}
 REFERENCES = ("synth", "reference")  # of the toolkit's Blocks: NumPy and mpmath alone
 
 
@@ -101,7 +101,7 @@ def _imports(package: tuple[str, ...], text: str) -> Iterator[tuple[str, ...]]:
 
 
 def rank(module: tuple[str, ...]) -> int | None:
-    """Return a module's place in the order, None outside the three packages; a name of synth itself ranks 0."""
+    """Return a module's place in the order, None outside the four packages; a name of synth itself ranks 0."""
     return RANK.get(module[:2], 0) if module[0] == "synth" else RANK.get(module[:1])
 
 
@@ -162,7 +162,7 @@ def folder_violations(texts: Mapping[Path, str]) -> list[str]:
 
 
 def sources() -> list[Path]:
-    files = [file for top in ("synth", "models", "designs") for file in sorted((ROOT / top).rglob("*.py"))]
+    files = [file for top in ("synth", "models", "designs", "studies") for file in sorted((ROOT / top).rglob("*.py"))]
     return [*files, *sorted((ROOT / "tests" / "designs").rglob("reference*.py"))]
 
 
@@ -195,6 +195,9 @@ def test_imports_follow_the_flow_of_data() -> None:
         ("synth/analyse/operating_points.py", "def f():\n    from synth.emit import lower"),
         ("synth/emit/lower.py", "from ..execute import host"),
         ("models/pmlsm.py", "from designs.maglev_5dof import design"),
+        ("synth/report/page.py", "import studies.hall"),
+        ("models/hall_stage.py", "from studies.hall import hall_bench"),
+        ("designs/hall_position/page.py", "def f():\n    from studies.hall.pages import six"),
         ("designs/maglev_5dof/reference.py", "import casadi as ca"),
         ("designs/maglev_5dof/reference.py", "from synth.riccati import solve"),
         ("designs/maglev_5dof/reference.py", "from .design import PLANT"),
@@ -218,6 +221,10 @@ def test_a_planted_violation_is_found(path: str, text: str) -> None:
         ("synth/emit/lower.py", "from ..analyse import trim\nfrom synth.emit import proof\nimport casadi, synth"),
         ("models/pmlsm.py", "from synth.plant import Plant\nfrom . import windings"),
         ("designs/maglev_5dof/design.py", "from synth.cli import main\nfrom models import pmlsm\nfrom . import audit"),
+        (
+            "studies/hall/costs.py",
+            "from synth.cli import main\nfrom designs.hall_position import config",
+        ),
         ("designs/maglev_5dof/reference.py", "import numpy as np\nfrom scipy import linalg"),
         ("designs/planar_6dof_lqg/reference.py", "from designs.planar_6dof import reference_sensing"),
         ("designs/planar_6dof_lqg/reference.py", "from synth.reference import gains"),

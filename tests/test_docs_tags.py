@@ -5,7 +5,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 TAG = re.compile(r"\b([FYK])\((\d+)\)(?:-\((\d+)\))?")
-FOLDERS = ("synth", "models", "designs")
+FOLDERS = ("synth", "models", "designs", "studies")
 
 
 def numbers(text: str) -> set[tuple[str, int]]:
@@ -27,5 +27,5 @@ def test_each_tag_of_the_tree_is_on_the_page() -> None:
 
 def test_each_file_that_the_page_names_is_there() -> None:
     text = (ROOT / "docs" / "reference" / "equations.md").read_text(encoding="utf-8")
-    paths = re.findall(r"`((?:synth|models|designs)/[\w/]+(?:\.py|/))`", text)
+    paths = re.findall(r"`((?:synth|models|designs|studies)/[\w/]+(?:\.py|/))`", text)
     assert paths and [p for p in paths if not (ROOT / p).exists()] == []

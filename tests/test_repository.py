@@ -36,7 +36,9 @@ def published_names() -> list[str]:
     try:
         listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):  # no git, or an unpacked archive: take the folders of the layout
-        tops = [ROOT / name for name in ("synth", "models", "designs", "generated_c", "tests", "docs", ".ci")]
+        tops = [
+            ROOT / name for name in ("synth", "models", "designs", "studies", "generated_c", "tests", "docs", ".ci")
+        ]
         files = [*ROOT.glob("*.*"), ROOT / "Makefile", *(file for top in tops for file in top.rglob("*"))]
         return [file.relative_to(ROOT).as_posix() for file in files if "__pycache__" not in file.parts]
     return [name for name in listed.split("\0") if name]
@@ -79,7 +81,7 @@ def source_tree(tree: Path) -> Path:
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tree)
     shutil.copytree(ROOT / "synth", tree / "synth", ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("models", "designs", "tests"):
+    for name in ("models", "designs", "studies", "tests"):
         (tree / name).mkdir()
         (tree / name / "__init__.py").touch()
     return tree

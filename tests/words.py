@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("synth", "models", "designs", "benchmarks", "tests", "docs", "generated_c")
+FOLDERS = ("synth", "models", "designs", "studies", "benchmarks", "tests", "docs", "generated_c")
 TEXTS = (".md", ".toml", ".j2", ".c", ".h", ".json", ".css")
 ITSELF = ("tests/words.py", "tests/test_words.py")
 

@@ -1,12 +1,13 @@
 """Absolute position from Hall voltages, after Kawato and Kim: from the magnets' geometry to verified C."""
 
+import json
 from collections.abc import Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from designs.hall_position import config, random_steps, reference_guard, stimuli, verification
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.loop import experiments, four_experiments
 from designs.hall_position.paper import rows
 from designs.hall_position.protected import config as protected
 from designs.hall_position.protected import stimuli as protected_stimuli
@@ -24,20 +25,12 @@ def report(files: Any, evidence: Any, runs: Any, rows: Any, cost: Any, parts: Ma
     return page.report(files, evidence, runs, rows, cost, parts)
 
 
-def measure_costs(progress: Progress) -> Any:
-    """Return the cost of the other estimators."""
-    from designs.hall_position import costs
-
-    return costs.measure(progress)
+def quote_studies(results: str, progress: Progress) -> Any:
+    """Return the results of the studies, as `python -m studies.hall` has written them."""
+    return json.loads(results)
 
 
-def survey_integrity(progress: Progress) -> Any:
-    """Return the tables of the integrity of three and four sensors."""
-    from designs.hall_position.pages import integrity
-
-    return integrity.tables(progress)
-
-
+RESULTS = Path(__file__).parents[2] / "studies" / "hall" / "results.json"
 EQUATIONS = f"(n) is equation (n) of {papers.KAWATO}."
 CONTROLLER = config.controller()
 DESIGN = stage.design(
@@ -60,14 +53,10 @@ DESIGN = stage.design(
         for name in protected.PLACES
     ],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
-    simulate={
-        "experiments": lambda of, progress: experiments.run(progress),
-        "sources": lambda of, progress: experiments.compare_sources(progress),
-        "four sensors": lambda of, progress: four_experiments.run(progress),
-    },
+    simulate={},  # it closes no loop
     audit=lambda of: rows.rows(),
     cost_stimuli=lambda of: CostStimuli(config.block, stimuli.replay, stimuli.sequences, stimuli.FLOOR),
     report=lambda of, *arguments, **further: report(*arguments, **further),
-    report_parts={"costs": measure_costs, "integrity": survey_integrity},
+    report_parts={"studies": partial(quote_studies, RESULTS.read_text(encoding="utf-8"))},
     about=__doc__,
 )

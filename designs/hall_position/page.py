@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from designs.hall_position import config, costs
-from designs.hall_position.loop import calibration
-from designs.hall_position.pages import accuracy, estimator, experiments, field, integrity, loops, six, trust
+from designs.hall_position import config
+from designs.hall_position.pages import estimator, field
 from models.hall_stage import Stage
 from synth.emit.write import EmittedCode
 from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
-from synth.report.captions import Content
 from synth.simulate.experiment import Experiment
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -22,9 +20,10 @@ from synth.verify.evidence import Evidence
 ABOUT = (
     f"{config.NAME}: {config.UNPROTECTED} "
     "Absolute position over a Halbach magnet matrix from the voltages of two-axis Hall sensors, after Kawato and Kim: "
-    "the field, its model, the estimator and its accuracy over the pitch. This page was computed from the magnets' "
-    "geometry; every figure on it was measured on the shipped C, or on the model that the C was derived from."
+    "the field, its model, and the estimator. This page was computed from the magnets' geometry; every figure on it, "
+    "those of the studies excepted, was measured on the shipped C, or on the model that the C was derived from."
 )
+STUDIES = "Studies"
 
 
 def report(
@@ -35,19 +34,17 @@ def report(
     cost: Cost | None,
     report_parts: Mapping[str, Any],
 ) -> str:
-    """Return the report as one HTML document, with all experiments in `runs`."""
+    """Return the report as one HTML document; an estimator has no experiments."""
     data = tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     stage = Stage()
-    blocks = captions.with_captions(_blocks(stage, data, runs, report_parts["integrity"]), data["blocks"])
+    contents = {**field.blocks(stage), **estimator.blocks(data["meaning"])}
+    blocks = captions.with_captions(contents, data["blocks"])
     equations = {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
     parts = [
-        experiments.section(runs, data["published"]),
-        loops.section() if runs else page.Section(standard.LOOPS, (experiments.ABSENT,)),
-        six.section(stage),
         standard.audit(rows, ()),
         standard.verification(evidence),
         sections.cost(cost),
-        costs.section(report_parts["costs"]),
+        studies(report_parts["studies"]),
         standard.files(files),
     ]
     inputs, outputs = (
@@ -59,16 +56,21 @@ def report(
     return template.assemble(config.NAME, ABOUT, facts, parts, {**equations, **blocks})
 
 
-def _blocks(
-    stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment], surveyed: Mapping[str, Content]
-) -> dict[str, Content]:
-    return {
-        **field.blocks(stage),
-        **estimator.blocks(data["meaning"]),
-        **accuracy.blocks(stage),
-        **trust.blocks(trust.estimators()),
-        **integrity.blocks(),
-        **surveyed,
-        **experiments.blocks(calibration.calibrated_source().map if runs else None, runs),
-        **six.blocks(stage),
-    }
+def studies(results: Mapping[str, Any]) -> page.Section:
+    """Return the figures of the studies as they are quoted, with their date and revision, beside their limits."""
+    about = (
+        "What the estimators do beyond the paper: in random motion without end, with a calibration and with a faulty "
+        f"sensor, and in loops that the estimate closes. Not computed with this page: results of {results['date']}, "
+        f"revision {results['revision']}, by python -m studies.hall. What they led to is in docs/decisions, "
+        "hall_position_protected.md and hall_position_loop.md."
+    )
+    rows = tuple((f["study"], f["figure"], f["value"], limit(f), f["unit"]) for f in results["figures"])
+    table = page.Table("Figures of the studies", ("study", "figure", "value", "limit", "unit"), rows)
+    return page.Section(STUDIES, (page.Text(about), page.Folded(f"{len(rows)} figures", (table,))))
+
+
+def limit(figure: Mapping[str, Any]) -> str:
+    """Return the limit of a figure as text."""
+    if "at_most" in figure:
+        return f"at most {figure['at_most']:.4g}"
+    return f"at least {figure['at_least']:.4g}" if "at_least" in figure else "no limit"

@@ -1,8 +1,7 @@
 """Verification of the emitted C against a NumPy reference, CasADi and CasADi's own C, in double and single precision.
 
 The steps are those of `random_steps`; along motions, each starts from the state of the C in double precision. The
-reference and the C in single precision also run free along the motions, from `init`. The C in single precision then
-tracks bodies in random motion for a long time.
+reference and the C in single precision also run free along the motions, from `init`.
 
 A step magnifies rounding errors by the largest condition number of its corrections times its amplification of voltage
 errors, which is also large near a decision boundary. Steps above ILL_CONDITIONED are counted, and compared at that
@@ -24,11 +23,8 @@ from designs.hall_position import (
     reference_rounding,
     verification_protected,
 )
-from designs.hall_position.calibrated import survey
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
-from designs.hall_position.trust import endurance
-from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models.hall_motions import Numbers
 from synth.check import Check
 from synth.simulate import ensemble
@@ -40,8 +36,6 @@ from synth.verify.suite import Witnesses
 
 FULL_STEPS = {"motions": 100_000, "random": 20_000, "edge": 10_000}  # steps of each estimator
 QUICK_STEPS = {"motions": 10_000, "random": 4_000, "edge": 2_000}
-# Bodies in random motion, and their samples: ten million in all, or few.
-BODIES, FULL_SAMPLES, QUICK_SAMPLES = 2000, 5000, 50
 FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
 EPSILON = 2.0**-52
 # Share; of the edge steps, half of these hit a bound exactly, or the edge of a pitch before pitches are counted.
@@ -88,10 +82,6 @@ def verify(progress: Progress, whole: bool) -> Evidence:
     ):
         agreements += some_agreements
         checks += some
-    progress(f"{config.NAME}: random motion without end")
-    samples = FULL_SAMPLES if whole else QUICK_SAMPLES
-    checks += endurance.checks(config.NAME, EstimatorConfig(config.array()), BODIES, samples)
-    checks += survey.checks(progress)
     some_agreements, some = verification_protected.verify(progress, whole)
     return Evidence(config.NAME, (*agreements, *some_agreements), (*checks, *some))
 

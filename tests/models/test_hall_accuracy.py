@@ -15,7 +15,7 @@ from models.hall_array import HallArray, Sensor
 from models.hall_two_waves import SpatialArray as Array
 from synth.analyse.observability.information import Accuracy
 from synth.errors import ModelError
-from tests.designs.hall_position.posed import FIVE, FOUR, L, noisy, places, volts
+from tests.models.posed import FIVE, FOUR, L, noisy, places, volts
 
 SIZES = hall_accuracy.sizes(6, hall_accuracy.LEVER)
 

@@ -11,7 +11,7 @@ from models.hall_two_waves import SpatialArray as Array
 from synth.analyse.observability import information
 from synth.errors import ModelError
 from tests import tolerances
-from tests.designs.hall_position.posed import ALPHA, BETA, FOUR, places, volts
+from tests.models.posed import ALPHA, BETA, FOUR, places, volts
 
 EXACT = tolerances.of("double")
 RAISED = Array(((0.02, 0.01, 2e-3), (-0.015, 0.024, -1e-3), (0.003, -0.02, 0.0)), ALPHA, BETA)

@@ -10,7 +10,7 @@ from math import radians
 
 import numpy as np
 
-from designs.hall_position.accuracy import layouts
+from designs.hall_position.paper import layouts
 from designs.hall_position.paper.field import CACHED_RESULTS
 from models import (
     concentrated_field,

@@ -2,7 +2,7 @@
 
 The places of four sensors have the least 97 % quantile, over the pitch and yaws within 10 degrees, of the levels in X,
 Y and the yaw (over 40 rad/m) that a search of 20,000 random layouts and 250 perturbations of each of the five best has
-reached. Those of three sensors are the result of `python -m designs.hall_position.protected.layout`.
+reached. Those of three sensors are the result of `python -m studies.hall.protected.layout`.
 """
 
 from collections.abc import Mapping

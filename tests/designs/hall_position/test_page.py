@@ -1,46 +1,27 @@
 """The report: all parts are present, and their numbers are right."""
 
+import json
 import re
-from functools import cache
-from pathlib import Path
+from datetime import date
 
 import numpy as np
 import pytest
 
-from designs.hall_position import config, costs, page
-from designs.hall_position.costs import Row
-from designs.hall_position.pages import accuracy, field, integrity, six, trust
+from designs.hall_position import config, page
+from designs.hall_position.design import RESULTS
+from designs.hall_position.pages import field
 from designs.hall_position.paper import rows
-from models import hall_accuracy, hall_fisher
-from models.hall_stage import Stage, grid
+from models.hall_stage import Stage
 from synth.emit.write import EmittedCode
-from synth.report import audit, sections, template
+from synth.report import audit, sections
 from synth.report.captions import Content, Rows
-from synth.report.page import Section, Table, Text
+from synth.report.page import Folded, Section, Table
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
 STAGE = Stage()
-REPORT = Path(page.__file__).with_name("report.md").read_text(encoding="utf-8")
 MOST = 2_000_000  # bytes of a page
-# What several tests look at, of few places: computed once.
-ACCURACY, SIX = cache(accuracy.blocks), cache(six.section)
-
-
-@pytest.fixture
-def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw maps of few places."""
-    for name, value in {"POINTS": 12, "CURVE_POINTS": 6, "CURVE_YAWS": 5, "SINGULAR_YAWS": (5.0,)}.items():
-        monkeypatch.setattr(accuracy, name, value)
-    monkeypatch.setattr(field, "POINTS", 13)
-    monkeypatch.setattr(six, "POINTS", 8)
-    monkeypatch.setattr(accuracy, "BASIN_STARTS", 5)
-    monkeypatch.setattr(accuracy, "blocks", ACCURACY)
-    monkeypatch.setattr(six, "section", SIX)
-    absent = dict.fromkeys(set(re.findall(r"(?:trust|failures)\.\w+", REPORT)), 0.0)
-    monkeypatch.setattr(trust, "blocks", lambda of: absent)  # which compiles two estimators: see test_page_trust
-    measured = dict.fromkeys(set(re.findall(r"integrity\.\w+", REPORT)), 0.0)
-    monkeypatch.setattr(integrity, "blocks", lambda: measured)  # which calibrates: see calibrated/test_calibrated
+QUOTED = json.loads(RESULTS.read_text(encoding="utf-8"))
 
 
 def rows_of(block: Content) -> Rows:
@@ -48,70 +29,45 @@ def rows_of(block: Content) -> Rows:
     return block
 
 
-def tables(section: Section) -> dict[str, Table]:
-    """Return the tables of a section and of those inside by caption."""
-    by_caption = {b.caption: b for b in section.blocks if isinstance(b, Table)}
-    for inner in section.sections:
-        by_caption |= tables(inner)
-    return by_caption
-
-
-@pytest.mark.usefixtures("coarse")
 def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    files, row = {"other": EmittedCode({}, {})}, Row("3 sensors", "gcc -O2", 600, 3795, 7225)
-    parts = {"costs": (row,), "integrity": {}}
-    monkeypatch.setattr(sections, "cost", lambda _: Section("Cost of two sensors"))
+    monkeypatch.setattr(field, "POINTS", 13)  # maps of few places
+    monkeypatch.setattr(sections, "cost", lambda _: Section("Cost of three estimators"))
     cost = Cost(config.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
     scope = rows.scope(STAGE, rows.published_rows())
     few = [audit.recompute(scope.published[n], scope) for n in ("K-1", "K-8")]
-    html = page.report(files, Evidence(config.NAME, (), ()), [], few, cost, parts)
+    files = {"other": EmittedCode({}, {})}
+    html = page.report(files, Evidence(config.NAME, (), ()), [], few, cost, {"studies": QUOTED})
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
-    for text in (
-        "Fig. 3",
-        "Fig. 4",
-        "Fig. 5 and (3)",
-        "Fig. 8",
-        "air gap",
-        "lose rank",
-        "K-8",
-        "GLSDC",
-        "Six degrees",
-        "shipped one weights its prediction more",
-    ):
+    for text in ("Fig. 3", "Fig. 4", "Fig. 5 and (3)", "Fig. 8", "air gap", "K-8", "GLSDC", QUOTED["revision"]):
         assert text in html, text
     assert not re.search(r"\bnan\b|>no number<", html)
-    titles = [html.rindex(t) for t in ("Cost of two sensors", "Cost of three and four sensors", "SHA-256")]
-    assert titles == sorted(titles) and "3\u202f795" in html
+    titles = [html.rindex(t) for t in ("Cost of three estimators", "Figures of the studies", "SHA-256")]
+    assert titles == sorted(titles)
 
 
-def test_without_a_measured_cost_no_other_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    parts: list[Section] = []
-    monkeypatch.setattr(page, "_blocks", lambda *_: {})
-    monkeypatch.setattr(six, "section", lambda _: Section("Six degrees of freedom"))
-    monkeypatch.setattr(template, "assemble", lambda *arguments: str(parts.extend(arguments[3])))
-    page.report({}, Evidence(config.NAME, (), ()), [], [], None, {"costs": (), "integrity": {}})
-    assert [part.blocks for part in parts if part.title == costs.TITLE] == [(Text(costs.ABSENT),)]
+def test_studies_are_quoted_with_their_date_revision_and_limits() -> None:
+    """Those that are committed are all, and keep their limits: there is no verdict in the file."""
+    assert date.fromisoformat(QUOTED["date"]) and re.fullmatch(r"[0-9a-f]{7,}", QUOTED["revision"])
+    limited = [f for f in QUOTED["figures"] if "at_most" in f or "at_least" in f]
+    assert all(f.get("at_least", -np.inf) <= f["value"] <= f.get("at_most", np.inf) for f in limited)
+    studies = {f["study"] for f in limited}
+    assert {"random motion", "calibrated units", "Zigzag, Fig. 10, calibrated, four sensors"} <= studies
+    assert len(limited) > 150
 
 
-def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(accuracy, "POINTS", 6)
-    shown = accuracy._larger_deviation(STAGE.three, 0.1)
-    along = STAGE.pitch * (np.arange(6) + 0.5) / 6
-    for i, j in ((0, 0), (2, 5), (4, 1)):
-        expected = hall_fisher.deviations(STAGE.three, np.array([[along[i]], [along[j]], [0.1]]))[:2].max()
-        assert shown[i, j] == pytest.approx(expected, rel=1e-12)
-    assert grid(STAGE.three, 6).shape == (3, 36)
-
-
-@pytest.mark.usefixtures("coarse")
-def test_the_tables_tell_what_is_proved_and_where_rank_is_lost() -> None:
-    blocks = accuracy.blocks(STAGE)
-    worst = {row[0]: row[2:] for row in rows_of(blocks["accuracy.worst"])}
-    assert worst["third sensor added"][:3] == ("5.28", "5.308", "198")
-    for name, proved in worst.items():
-        if name != "two sensors":
-            assert all(float(a) <= float(b) for a, b in zip(proved[:3], proved[3:], strict=True))
-    assert rows_of(blocks["accuracy.singular"])[0][:2] == (5.0, 40)
+def test_each_figure_of_a_study_is_a_row() -> None:
+    figures = [
+        {"study": "a", "figure": "share", "value": 0.25, "unit": "1", "at_most": 0.5},
+        {"study": "a", "figure": "yield", "value": 0.75, "unit": "1", "at_least": 0.5},
+        {"study": "b", "figure": "true motion, mm", "value": 4.0, "unit": ""},
+    ]
+    section = page.studies({"date": "2026-01-31", "revision": "abc1234", "figures": figures})
+    text, folded = section.blocks
+    assert "2026-01-31, revision abc1234" in str(text) and isinstance(folded, Folded)
+    (table,) = folded.blocks
+    assert isinstance(table, Table)
+    assert [row[3] for row in table.rows] == ["at most 0.5", "at least 0.5", "no limit"]
+    assert table.rows[0] == ("a", "share", 0.25, "at most 0.5", "1")
 
 
 def test_the_law_of_decay_is_within_the_intervals() -> None:
@@ -120,23 +76,3 @@ def test_the_law_of_decay_is_within_the_intervals() -> None:
     for row, n in zip(rates, (1, 5, 1), strict=True):
         assert row[4] == pytest.approx(n * w) and row[5] == "yes"
         assert isinstance(row[2], float) and isinstance(row[3], float) and row[2] < n * w < row[3]
-
-
-@pytest.mark.usefixtures("coarse")
-def test_the_page_says_that_three_sensors_lose_rank_in_six_degrees_of_freedom() -> None:
-    section = six.section(STAGE)
-    assert all(row[3] == "on lines" for row in rows_of(six.blocks(STAGE)["six.determinants"]))
-    of = six.optimised_layout(STAGE, 4)
-    expected = 1e6 * hall_accuracy.conditions(of, 8)[hall_accuracy.LEVEL].deviations.max(axis=0)
-    shown = tables(section.sections[0])["Largest standard deviations over the pitch under conditions"].rows[0]
-    assert shown[1:7] == pytest.approx(tuple(expected))
-
-
-def test_the_basin_is_whole_where_the_yaw_is_known_and_has_holes_where_it_is_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(accuracy, "BASIN_STARTS", 9)
-    known, free = (accuracy.basin(STAGE.pair, yaw_known) for yaw_known in (True, False))
-    middle = slice(2, 7)  # a quarter pitch to either side
-    assert known[middle, middle].min() == 1 and known[0].max() < 1
-    assert free[4, 4] == 1 and free[middle, middle].mean() < 0.8 and (free <= known + 1e-9).mean() > 0.9

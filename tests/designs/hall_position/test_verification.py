@@ -12,7 +12,6 @@ from designs.hall_position import config, random_steps, reference_guard, verific
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.reference_glsdc import Setup
-from designs.hall_position.trust import endurance
 from designs.hall_position.verification import Comparison, Steps
 from synth.block import Block
 from synth.blocks import safety
@@ -255,17 +254,10 @@ def test_evidence_is_of_all_estimators(monkeypatch: pytest.MonkeyPatch) -> None:
         verification, "compare_witnesses", lambda of, by, sizes, say: [((), [replace(check, name=f"{by} {sizes}")])]
     )
     monkeypatch.setattr(
-        endurance, "checks", lambda name, kind, bodies, n: [replace(check, name=f"{name} {bodies * n}")]
-    )
-    monkeypatch.setattr(verification.survey, "checks", lambda say: [replace(check, name="calibrated units")])
-    monkeypatch.setattr(
         verification.verification_protected, "verify", lambda say, whole: ([], [replace(check, name=f"more {whole}")])
     )
-    for whole, sizes, samples in (
-        (True, verification.FULL_STEPS, 10_000_000),
-        (False, verification.QUICK_STEPS, 100_000),
-    ):
+    for whole, sizes in ((True, verification.FULL_STEPS), (False, verification.QUICK_STEPS)):
         evidence = verification.verify(heard.append, whole)
-        expected = [*(f"{PAIR} {each}" for each in (sizes, samples)), "calibrated units", f"more {whole}"]
+        expected = [f"{PAIR} {sizes}", f"more {whole}"]
         assert evidence.design == PAIR and [c.name for c in evidence.checks] == expected
-    assert verification.FULL_STEPS["motions"] == 100_000 and len(heard) == 4
+    assert verification.FULL_STEPS["motions"] == 100_000 and len(heard) == 2

@@ -9,12 +9,10 @@ from designs.hall_position import config
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.protected import config as protected
-from designs.hall_position.protected import spatial
 from models.hall_two_waves import PlanarArray as Array
 from models.hall_two_waves import SpatialArray
 from synth.errors import DesignError, ModelError, TimingError
 from synth.timing import Continuous
-from tests.designs.hall_position.posed import FOUR
 
 PLACES = ((0.0, 0.0), (0.01, 0.02))
 SIX_PLACES = ((0.0, 0.0, 0.0), (0.01, 0.02, 0.0), (0.03, 0.0, 1e-3))
@@ -76,21 +74,19 @@ def test_more_sensors_than_are_named_are_refused() -> None:
     assert len(channels.voltages(len(six(positions=many[:26]).positions))) == 52
 
 
-@pytest.mark.parametrize("of", [Tuning, spatial.Tuning])
-def test_each_figure_of_a_tuning_is_a_number_or_refused(of: Any) -> None:
-    for name in of.__dataclass_fields__:
+def test_each_figure_of_a_tuning_is_a_number_or_refused() -> None:
+    for name in Tuning.__dataclass_fields__:
         for value in INVALID:
             with pytest.raises(ModelError, match=f"^{name} is "):
-                of(**{name: value})
+                Tuning(**{name: value})
 
 
-@pytest.mark.parametrize(("of", "name"), [(Tuning, "iterations"), (spatial.Tuning, "corrections")])
-def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
-    for counted in (name, "pitches"):
+def test_what_is_counted_is_a_whole_number() -> None:
+    for counted in ("iterations", "pitches"):
         for value in (2.5, 2.0, 0, 1001):
             with pytest.raises(ModelError, match=f"{counted} is {value}: give a whole number of at least 1"):
-                of(**{counted: value})
-        assert getattr(of(**{counted: np.int64(2)}), counted) == 2
+                Tuning(**{counted: value})  # type: ignore[arg-type]
+        assert getattr(Tuning(**{counted: np.int64(2)}), counted) == 2  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
@@ -98,8 +94,6 @@ def test_an_estimator_takes_a_period(time: Any) -> None:
     two = config.array()
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.guarded_estimator(two, time)
-    with pytest.raises(TimingError, match=r"`time` of `glsdc_estimator.estimator` is .*: give a Discrete"):
-        spatial.guarded_estimator(FOUR, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
 

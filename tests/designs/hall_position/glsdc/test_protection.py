@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, planar
+from designs.hall_position.paper import layouts
 from models import hall_motions as motions
 from models.hall_stage import Stage
 from synth.block import Block

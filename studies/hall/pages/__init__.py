@@ -1,0 +1,1 @@
+"""Pages of the studies: accuracy, integrity, loops, six degrees of freedom."""

@@ -1,0 +1,1 @@
+"""Integrity of three and four sensors over unknown fields and faults, layouts, six degrees of freedom."""
