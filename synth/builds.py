@@ -125,8 +125,8 @@ def build(design: Design) -> Task[Built]:
     except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (design.report, object()))
     limits = (stage.study, stage.require, stage.faults) if stage else None
-    judged = (verdicts.of_build, verdicts.requirements, first_screen.put, __version__)
-    return Task("report", compute, (design.report, *judged, limits, *keys))
+    made_by = (verdicts.of_build, verdicts.requirements, first_screen.put, __version__)
+    return Task("report", compute, (design.report, *made_by, limits, *keys))
 
 
 def _page_of_checks(name: str, checks: Sequence[Check]) -> str:

@@ -42,13 +42,13 @@ def print_first_screen(screens: Mapping[str, Sequence[first_screen.Row]]) -> Non
     """Print the first screen of a design; of several designs the rows that fail, and those with the least margins."""
     console = Console(width=None if sys.stdout.isatty() else 100)
     for name, rows in screens.items() if len(screens) == 1 else ():
-        console.print(_screen(name, rows), _headline(name, rows), sep="\n", highlight=False)
+        console.print(_screen(name, rows), highlight=False)
     if len(screens) > 1:
         table = Table("design", *first_screen.COLUMNS[:-1], title="worst of each design", title_justify="left")
         for name, rows in screens.items():
             for k, row in enumerate(first_screen.worst(rows, WORST)):
                 table.add_row("" if k else escape(name), *map(escape, row.cells[:-1]), style=_style(row))
-        console.print(table, *(_headline(name, rows) for name, rows in screens.items()), sep="\n", highlight=False)
+        console.print(table, highlight=False)
 
 
 def _screen(name: str, rows: Sequence[first_screen.Row]) -> Table:
@@ -62,11 +62,6 @@ def _screen(name: str, rows: Sequence[first_screen.Row]) -> Table:
 
 def _style(row: first_screen.Row) -> str:
     return "" if row.worst.passed else "bold red"
-
-
-def _headline(name: str, rows: Sequence[first_screen.Row]) -> str:
-    colour = "red" if first_screen.counts(rows)[1] else "green"
-    return f"[bold {colour}]{escape(f'{name}: {first_screen.headline(rows)}')}[/]"
 
 
 def print_campaign(campaign: Campaign, every: bool = False) -> None:

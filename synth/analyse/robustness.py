@@ -20,6 +20,7 @@ from synth.analyse import disk, equilibrium, operating_points, stability_margins
 from synth.analyse.equilibrium import Equilibrium
 from synth.analyse.equilibrium_equations import SampledLoop, Wires
 from synth.analyse.stability_margins import Margins
+from synth.analyse.tolerances import Case
 from synth.check import Check
 from synth.declaration import Controller, Interface
 from synth.errors import ModelError, NoEquilibriumError, SignalError
@@ -27,10 +28,8 @@ from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import StateSpace
 
-NOMINAL: Mapping[str, float] = {}
-MAX_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
+NOMINAL: Case = {}
 
-Case = Mapping[str, float]  # parameter values that differ from the nominal ones
 Groups = Mapping[str, Sequence[str]]  # signals that vary at once, by name of the group
 
 
@@ -176,36 +175,6 @@ def of_controller(
     sensors = {s.name: s.of for s in interface.sensors}
     closed = SampledLoop(plant, controller.block.rounded(scalar), sensors, wires, interface.delay, coordinates or {})
     return Loops(closed, interface, dict(points), tuple(cases))
-
-
-@arguments.checked
-def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
-    """Return all combinations of some parameters at the ends of their tolerances: 2^k for k of them.
-
-    Raises SignalError for an unknown parameter, one without a tolerance, or more than MAX_CORNERS corners.
-    """
-    ends = [_ends(plant, name) for name in parameters]
-    if 2 ** len(ends) > MAX_CORNERS:
-        raise SignalError(
-            f"{len(ends)} parameters have 2^{len(ends)} corners, at most {MAX_CORNERS} are allowed: name fewer"
-        )
-    return [dict(zip(parameters, values, strict=True)) for values in itertools.product(*ends)] if ends else []
-
-
-@arguments.checked
-def one_at_a_time(plant: Plant) -> list[Case]:
-    """Return each parameter with a tolerance at both of its ends, the others at their nominal values."""
-    toleranced = [p.name for p in plant.parameters if p.tolerance and p.value]
-    return [{name: value} for name in toleranced for value in _ends(plant, name)]
-
-
-def _ends(plant: Plant, name: str) -> tuple[float, float]:
-    p = plant.parameter(name)
-    if not p.tolerance * abs(p.value):
-        raise SignalError(
-            f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: neither may be 0; set them"
-        )
-    return p.value * (1 - p.tolerance), p.value * (1 + p.tolerance)
 
 
 @arguments.checked

@@ -45,11 +45,19 @@ class Row:
     def cells(self) -> tuple[str, ...]:
         """The texts under COLUMNS."""
         c, (value, limit) = self.worst, quantities((self.worst.value, self.worst.limit), self.worst.unit)
-        others = f", the least margin of {len(self.checks)}" if len(self.checks) > 1 else ""
-        free = sum(c.verdict == "no limit" for c in self.checks)
-        others += f", {free} of them without a limit" if 0 < free < len(self.checks) else ""
         bound = "no limit" if c.verdict == "no limit" else f"at {'least' if c.at_least else 'most'} {limit}"
-        return f"{readable(c.name)}{others}", value, bound, margin_text(c), c.about
+        return self._title, value, bound, margin_text(c), c.about
+
+    @property
+    def _title(self) -> str:
+        """The name of the check with the least margin, and how many others the row stands for."""
+        name, n, free = readable(self.worst.name), len(self.checks), sum(c.verdict == "no limit" for c in self.checks)
+        if n == 1:
+            return name
+        without = f", {free} without a limit" if 0 < free < n else ""
+        if len({c.name for c in self.checks}) == 1:
+            return f"{name}, worst of {n}{without}"
+        return f"{self.section}: {n} checks{without}; least margin: {name}"
 
 
 def margin(check: Check) -> float:

@@ -202,9 +202,10 @@ def render(report: Report) -> str:
     html = environment.from_string(template).render(
         report=report, parts=numbered, first_screen=screen, many=MANY, kind=lambda block: type(block).__name__.lower()
     )
-    if addresses := external_addresses(html):
+    reader = _read(html)
+    if addresses := reader.external:
         raise DesignError(f"the report would load {', '.join(addresses)}: embed this content in the page")
-    if duplicates := _repeated_ids(html):
+    if duplicates := [i for i, count in Counter(reader.ids).items() if count > 1]:
         raise DesignError(
             f"the ids {', '.join(duplicates)} are used twice in the report: give each figure a different name"
         )
@@ -213,10 +214,14 @@ def render(report: Report) -> str:
 
 def external_addresses(html: str) -> tuple[str, ...]:
     """Return the external addresses in attributes, styles and scripts that a browser would load or follow."""
+    return _read(html).external
+
+
+def _read(html: str) -> "_Reader":
     reader = _Reader()
     reader.feed(html)
     reader.close()
-    return tuple(dict.fromkeys(a for a in reader.addresses if a and not a.startswith(("#", "data:"))))
+    return reader
 
 
 class _Reader(HTMLParser):
@@ -227,6 +232,11 @@ class _Reader(HTMLParser):
         self.addresses: list[str] = []
         self.ids: list[str] = []
         self._inside = ""
+
+    @property
+    def external(self) -> tuple[str, ...]:
+        """The addresses outside the page."""
+        return tuple(dict.fromkeys(a for a in self.addresses if a and not a.startswith(("#", "data:"))))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self._inside = tag
@@ -246,14 +256,9 @@ class _Reader(HTMLParser):
 
 
 def _in_style(text: str) -> list[str]:
+    if "(" not in text and "@" not in text:  # as in the long paths of figures
+        return []
     return [(a or b).strip() for a, b in _STYLE_LOADS.findall(text)]
-
-
-def _repeated_ids(html: str) -> list[str]:
-    reader = _Reader()
-    reader.feed(html)
-    reader.close()
-    return [i for i, count in Counter(reader.ids).items() if count > 1]
 
 
 def _inline(svg: str) -> Markup:

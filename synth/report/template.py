@@ -158,7 +158,7 @@ def facts(stage: Stage) -> tuple[tuple[str, str], ...]:
 
 
 def loops(survey: Survey | None) -> Section:
-    """Return the loops of the nominal plant, and of the others the worst at each signal, with all disk margins."""
+    """Return the loops of the nominal plant, and of all the worst at each signal, with disk margins likewise."""
     if survey is None:
         return Section(standard.LOOPS, (page.Text("No operating points are declared; there are no loops to show."),))
     unstable = dict.fromkeys(loop.point for loop in survey.loops if not loop.margins.stable)
@@ -172,7 +172,7 @@ def loops(survey: Survey | None) -> Section:
 
 
 def disks(survey: Survey) -> tuple[page.Table, ...]:
-    """Return the table of the disk margins at the points of the nominal plant, and of the others the least."""
+    """Return the table of the disk margins at the points of the nominal plant, and of all the least."""
     nominal = {loop.point for loop in survey.loops if not loop.case}
     least = min(survey.disks, key=lambda place: survey.disks[place]["both"].lower, default="")
     shown = {place: each for place, each in survey.disks.items() if place in nominal or place == least}
