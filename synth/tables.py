@@ -31,7 +31,7 @@ def print_checks(
     for c in checks:
         table.add_row(c.name, f"{c.value:.6g}", limit_text(c), c.unit, c.verdict if c.passed else "[bold red]FAILED[/]")
     for name, value in (figures or {}).items():
-        table.add_row(name, f"{value:.6g}", "", "", "")
+        table.add_row(name, f"{value:.6g}", "", "", "no limit")
     console = Console()
     console.print(table)
     for line in (*notes, *(f"{c.name}: {c.about}" for c in checks if c.about and not c.passed)):
@@ -92,7 +92,7 @@ def print_study(design: str, study: StudyTable) -> None:
     table = Table(*columns, title=f"{design}: {len(study.rows)} machines", title_justify="left")
     for s in studies.summarise(study):
         has_limit = s.name in study.limits
-        limit, kept = (f"{s.limit:.4g}", f"{s.passed:.2%}") if has_limit else ("", "")
+        limit, kept = (f"{s.limit:.4g}", f"{s.passed:.2%}") if has_limit else ("no limit", "")
         driver = f"{s.driver} {s.correlation:+.2f}" if s.driver else ""
         numbers = (f"{v:.4g}" for v in (s.nominal, s.median, s.percentile_95, s.worst))
         table.add_row(escape(s.name), s.unit, *numbers, str(s.worst_row), limit, kept, driver)

@@ -102,7 +102,7 @@ class Survey:
 
     @property
     def lost(self) -> list[str]:
-        """The points and loops that have no margin: without an equilibrium, or not stable."""
+        """The points without an equilibrium and the loops that are not stable: they have no margins."""
         unstable = [loop.label for loop in self.loops if not loop.margins.stable]
         return [*(f"{u.label}: {u.reason}" for u in self.unsolved), *unstable]
 

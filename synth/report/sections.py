@@ -59,7 +59,7 @@ def experiment(
     caption = f"{run.title}: {run.about}."
     if run.references and window:
         caption += f" On the left {window[0]:g} to {window[1]:g} s."
-    measured = (Table("Measured", ("figure", "value", "unit"), _measured_rows(run)),) if run.figures else ()
+    measured = (Table("Measured, no limit", ("figure", "value", "unit"), _measured_rows(run)),) if run.figures else ()
     checks = (Checks("Checks", run.checks),) if run.checks else ()
     return Section(run.title, (Figure(plot, caption, published), *measured, *checks))
 
