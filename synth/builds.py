@@ -15,13 +15,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from synth import cache, contents, fault_jobs, sources, store, tasks, verdicts
+from synth import __version__, cache, contents, fault_jobs, sources, store, tasks, verdicts
 from synth.check import Check, Incomplete
 from synth.emit import write
 from synth.errors import ContentError
 from synth.execute import cross
 from synth.jobs import Job
 from synth.progress import Progress, silent
+from synth.report import first_screen
+from synth.report.first_screen import Row
 from synth.tasks import Task, attempt
 from synth.verify.evidence import Evidence
 from synth.workspace import Design
@@ -33,11 +35,16 @@ NOT_READ = frozenset({"generated_c", "reports", "build", "dist", "tests", "docs"
 
 @dataclass(frozen=True)
 class Built:
-    """The results of a build: the report, the evidence with the checks of the experiments as a document, all checks."""
+    """The results of a build: the report, the evidence as a document, and the rows of the first screen."""
 
     page: str
     evidence: Any
-    checks: tuple[Check, ...]
+    rows: tuple[Row, ...]
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """All checks of the build."""
+        return tuple(check for row in self.rows for check in row.checks)
 
 
 @dataclass(frozen=True)
@@ -68,8 +75,9 @@ def verify(design: Design, whole: bool, say: Progress) -> Evidence:
     """
     nothing = Evidence(design.name, (), ())
     evidence, failed = attempt(partial(tasks.verification(design, whole).result, say), "verification", nothing)
-    margins, lost = attempt(partial(tasks.margins(design).result, say), "margins", list[Check]())
-    evidence = replace(evidence, checks=(*failed, *lost, *margins, *evidence.checks))
+    loops, lost = attempt(partial(tasks.loops(design).result, say), "margins", None)
+    margins = verdicts.margins(design.stage, loops) if design.stage and not lost else []
+    evidence = replace(evidence, checks=(*failed, *lost, *margins, *evidence.checks), loops=loops)
     if failed or lost:
         raise Incomplete(evidence, (*failed, *lost))
     return evidence
@@ -91,7 +99,7 @@ def build(design: Design) -> Task[Built]:
         tasks.audit(design),
         tasks.brief_cost(design),
     )
-    margins, further, stage = tasks.margins(design), tasks.report_parts(design), design.stage
+    margins, further, stage = tasks.loops(design), tasks.report_parts(design), design.stage
 
     def compute(say: Progress) -> Built:
         failed: list[Check] = []
@@ -102,27 +110,26 @@ def build(design: Design) -> Task[Built]:
             return value
 
         files = emit.result(silent)
-        evidence = result("verification", partial(verify, design, False))
+        evidence = result("verification", witnesses.result, Evidence(design.name, (), ()))
+        loops = result("margins", margins.result)
         runs = result("experiments", partial(tasks.experiments, design), [])
         faults, rows = result("faults", campaign.result), result("audit", audit.result, [])
         table, measured = result("study", study.result), result("cost", cost.result)
         parts = {name: result(name, task.result) for name, task in further.items()}
-        checks = verdicts.audit(rows)
-        if stage is not None:
-            if table is not None:
-                table = result("limits of the study", lambda _: verdicts.with_limits(stage, table), table)
-            checks += [*verdicts.study(stage, table), *verdicts.cost(stage, measured)]
-        of_parts = [c for c in failed if c not in evidence.checks]
-        evidence = replace(evidence, checks=(*of_parts, *checks, *evidence.checks), faults=faults, study=table)
+        if stage is not None and table is not None:
+            table = result("limits of the study", lambda _: verdicts.with_limits(stage, table), table)
+        made = verdicts.of_build(stage, loops, table, faults, rows, measured)
+        evidence = replace(evidence, loops=loops, faults=faults, study=table, verdicts=made)
         say("report")
         draw = partial(design.report, files, evidence, runs, rows, measured, **({"parts": parts} if parts else {}))
         page, lost = attempt(draw, "report", "")
-        every = (*lost, *evidence.checks, *(_with_title(c, e.title) for e in runs for c in e.checks))
-        every += faults.checks if faults else ()
-        page = page or _page_of_checks(design.name, every)
-        built = Built(page, replace(evidence, checks=every).document(), every)
-        if failed or lost:
-            raise Incomplete(built, (*failed, *lost))  # which is not cached
+        failed += lost
+        rows_shown = verdicts.requirements(failed, evidence, runs)
+        checks = tuple(check for row in rows_shown for check in row.checks)
+        page = first_screen.put(page or _page_of_checks(design.name, checks), rows_shown, version(design))
+        built = Built(page, replace(evidence, checks=checks).document(), rows_shown)
+        if failed:
+            raise Incomplete(built, failed)  # which is not cached
         return built
 
     try:
@@ -140,7 +147,9 @@ def build(design: Design) -> Task[Built]:
         keys = [task.key() for task in inputs]
     except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (design.report, object()))
-    return Task("report", compute, (design.report, stage.study if stage else None, *keys))
+    limits = (stage.study, stage.require, stage.faults) if stage else None
+    made_by = (verdicts.of_build, verdicts.requirements, first_screen.put, __version__)
+    return Task("report", compute, (design.report, *made_by, limits, *keys))
 
 
 def _page_of_checks(name: str, checks: Sequence[Check]) -> str:
@@ -149,9 +158,13 @@ def _page_of_checks(name: str, checks: Sequence[Check]) -> str:
     return template.of_checks(name, checks)
 
 
-def _with_title(check: Check, title: str) -> Check:
-    """Return a check of an experiment with the experiment's title in front of its description."""
-    return replace(check, about=": ".join(filter(None, (title, check.about))))
+def version(design: Design) -> str:
+    """Return the versions of the toolkit and of the sources of a design: a digest of what its results follow from."""
+    try:
+        sources = contents.digest(design)[:12]
+    except ContentError:
+        sources = "without a digest, since they cannot be read"
+    return f"synth {__version__}, sources {sources}"
 
 
 def save(folders: Mapping[str, Mapping[str, str]], root: Path) -> None:
@@ -191,7 +204,7 @@ def _build_jobs(design: Design, root: Path, key: str) -> list[Job]:
         *((what, task, (first,)) for what, task in parts.items()),
         ("study", tasks.brief_study(design), (first, *(f"{name} {what}" for what in parts))),
         ("verify", tasks.verification(design, False), (first,)),
-        ("margins", tasks.margins(design), (first,)),
+        ("margins", tasks.loops(design), (first,)),
         ("cost", tasks.brief_cost(design), (first, LIBRARY)),
         ("audit", tasks.audit(design), (first,)),
         *((f"report {part}", task, (first, f"{name} verify")) for part, task in tasks.report_parts(design).items()),

@@ -22,6 +22,7 @@ from synth.emit.c import vectors
 from synth.jobs import Job
 from synth.new import create
 from synth.progress import Progress
+from synth.report import first_screen
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.simulate.fault_rows import Campaign
@@ -54,7 +55,8 @@ def _for_each_design(
 
 def build(names: Names, as_json: bool, fresh: bool) -> int:
     """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
-    root, documents, results = Path.cwd(), [], dict[str, Any]()
+    root, documents, screens = Path.cwd(), [], dict[str, Sequence[first_screen.Row]]()
+    results = dict[str, Any]()
     # Stored results count as missing also for the choice of the jobs.
     with store.fresh_run() if fresh else nullcontext():
         keys = {name: builds.source_key(root, name) for name in workspace.design_names(root, names)}
@@ -71,13 +73,13 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
             continue
         reports = {f"{name}.html": built.page, f"{name}.evidence.json": strict_json.dumps(built.evidence) + "\n"}
         write.save(reports, root / "reports")
-        failed = [c for c in built.checks if not c.passed]
-        if failed and not as_json:
-            tables.print_checks(f"{name}: failed checks", failed)
-        free = sum(c.verdict == "no limit" for c in built.checks)
-        counts = f"{len(built.checks) - free} checks, {len(failed)} failed, {free} values without a limit"
-        writer(as_json)(name, f"{counts}; report in reports/{name}.html")
-        documents.append({"design": name, "checks": len(built.checks), "failed": [c.document() for c in failed]})
+        failed = [c.document() for c in built.checks if not c.passed]
+        documents.append({"design": name, "checks": len(built.checks), "failed": failed})
+        screens[name] = built.rows
+    if not as_json:
+        tables.print_first_screen(screens)
+    for name, rows in screens.items():
+        writer(as_json)(name, f"{first_screen.headline(rows)}; report in reports/{name}.html")
     return finish(as_json, documents, results, any(document["failed"] for document in documents))
 
 

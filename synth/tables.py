@@ -9,7 +9,7 @@ from rich.table import Table
 
 from synth.check import Check, limit_text
 from synth.report import comparison as comparisons
-from synth.report import page
+from synth.report import first_screen, page
 from synth.report import tuning as tunings
 from synth.report.audit import Row
 from synth.report.comparison import Side
@@ -20,6 +20,8 @@ from synth.simulate.study import StudyTable
 from synth.tuning import Tuned, Tuning
 from synth.verify import cost as costs
 
+WORST = 3  # rows of a design among several, beside those that fail
+
 
 def print_checks(
     title: str, checks: Sequence[Check], figures: Mapping[str, float] | None = None, notes: Sequence[str] = ()
@@ -29,11 +31,37 @@ def print_checks(
     for c in checks:
         table.add_row(c.name, f"{c.value:.6g}", limit_text(c), c.unit, c.verdict if c.passed else "[bold red]FAILED[/]")
     for name, value in (figures or {}).items():
-        table.add_row(name, f"{value:.6g}", "", "", "")
+        table.add_row(name, f"{value:.6g}", "", "", "no limit")
     console = Console()
     console.print(table)
     for line in (*notes, *(f"{c.name}: {c.about}" for c in checks if c.about and not c.passed)):
         console.print(line, highlight=False, markup=False)
+
+
+def print_first_screen(screens: Mapping[str, Sequence[first_screen.Row]]) -> None:
+    """Print the first screen of a design; of several designs the rows that fail, and those with the least margins."""
+    console = Console(width=None if sys.stdout.isatty() else 100)
+    for name, rows in screens.items() if len(screens) == 1 else ():
+        console.print(_screen(name, rows), highlight=False)
+    if len(screens) > 1:
+        table = Table("design", *first_screen.COLUMNS[:-1], title="worst of each design", title_justify="left")
+        for name, rows in screens.items():
+            for k, row in enumerate(first_screen.worst(rows, WORST)):
+                table.add_row("" if k else escape(name), *map(escape, row.cells[:-1]), style=_style(row))
+        console.print(table, highlight=False)
+
+
+def _screen(name: str, rows: Sequence[first_screen.Row]) -> Table:
+    table = Table(title=escape(name), title_justify="left")
+    for column, ratio in zip(first_screen.COLUMNS, (6, 3, 3, 2, 4), strict=True):
+        table.add_column(column, ratio=ratio, overflow="fold")
+    for row in rows:
+        table.add_row(*map(escape, row.cells), style=_style(row))
+    return table
+
+
+def _style(row: first_screen.Row) -> str:
+    return "" if row.worst.passed else "bold red"
 
 
 def print_campaign(campaign: Campaign, every: bool = False) -> None:
@@ -64,7 +92,7 @@ def print_study(design: str, study: StudyTable) -> None:
     table = Table(*columns, title=f"{design}: {len(study.rows)} machines", title_justify="left")
     for s in studies.summarise(study):
         has_limit = s.name in study.limits
-        limit, kept = (f"{s.limit:.4g}", f"{s.passed:.2%}") if has_limit else ("", "")
+        limit, kept = (f"{s.limit:.4g}", f"{s.passed:.2%}") if has_limit else ("no limit", "")
         driver = f"{s.driver} {s.correlation:+.2f}" if s.driver else ""
         numbers = (f"{v:.4g}" for v in (s.nominal, s.median, s.percentile_95, s.worst))
         table.add_row(escape(s.name), s.unit, *numbers, str(s.worst_row), limit, kept, driver)

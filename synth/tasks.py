@@ -15,8 +15,10 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from synth import cache, fault_jobs, progress, slices, standard_tasks, store, study_runs, verdicts, workspace
+from synth.analyse.robustness import Survey
 from synth.campaign import FaultCampaign, StudyLimits
 from synth.check import Check, Incomplete, of_error
+from synth.declaration import Stage
 from synth.emit.c import vectors
 from synth.emit.write import EmittedCode
 from synth.errors import ContentError
@@ -74,12 +76,17 @@ def verification(design: Design, whole: bool) -> Task[Evidence]:
     return Task("verification", lambda say: design.verify(say, whole), (design.verify, whole))
 
 
-def margins(design: Design) -> Task[list[Check]]:
-    """Return the task of the margins of a declared stage, for which no other task can stand in."""
+def loops(design: Design) -> Task[Survey | None]:
+    """Return the task of the loops with their margins, for which no other task can stand in."""
     stage = design.stage
     if stage is None:
-        return Task("margins", _no_checks, (_no_checks,))
-    return Task("margins", lambda say: verdicts.margins(stage), (verdicts.margins, stage))
+        return Task("margins", _nothing, (_nothing,))
+    return Task("margins", lambda say: verdicts.survey(stage), (verdicts.survey, _closed_loop(stage, StudyLimits())))
+
+
+def _closed_loop(stage: Stage, study: StudyLimits) -> Stage:
+    """Return a stage without the limits and texts on which no measured value depends."""
+    return replace(stage, study=study, require={}, faults=FaultCampaign(), about="", header_notes=())
 
 
 def simulations(design: Design) -> dict[str, Task[list[Experiment]]]:
@@ -139,14 +146,7 @@ def brief_study(design: Design) -> Task[StudyTable | None]:
     stage = design.stage
     if stage is None or not stage.experiments or not fault_jobs.closes_loop(design):
         return Task("study", _nothing, (_nothing,))
-    loop = replace(
-        stage,
-        study=StudyLimits(experiments=stage.study.experiments),
-        require={},
-        faults=FaultCampaign(),
-        about="",
-        header_notes=(),
-    )
+    loop = _closed_loop(stage, StudyLimits(experiments=stage.study.experiments))
     return Task("study", lambda say: study_runs.brief(stage, say), (study_runs.brief, loop))
 
 
@@ -238,8 +238,3 @@ def compilers() -> Sequence[tuple[str, ...]]:
 
 def _nothing(say: Progress) -> None:
     """Measure nothing."""
-
-
-def _no_checks(say: Progress) -> list[Check]:
-    """Check nothing."""
-    return []

@@ -40,6 +40,7 @@ from synth.verify import agree, replays, standard
 Place = Mapping[str, float]  # m and rad, by axis
 
 MIDDLE: Place = dict.fromkeys(AXES, 0.0)  # of the travel
+IN_THE_MIDDLE = "in the middle"  # the name of that place
 PLACES = 7  # over a pitch in x and in y
 SETTLING_SAMPLES = 50  # samples after which the filters are in steady state
 PHASES, SENSED = signal_names(planar_stage.INPUTS), interface.SENSORS
@@ -136,12 +137,6 @@ def places_over_pitch(pitch: float, places: int) -> list[Place]:
     return [{"x": offsets[k], "y": offsets[3 * k % places]} for k in range(places)]
 
 
-def over_pitch(plant: Plant, block: Block, places: int = PLACES) -> list[dict[str, stability_margins.Margins]]:
-    """Return the margins of the six loops by axis at places spread over a pitch in x and in y."""
-    each_place = (parts(plant, block, place) for place in places_over_pitch(plant.parameter("l").value, places))
-    return [{axis: stability_margins.of_loop(open_loop(each, [axis])) for axis in AXES} for each in each_place]
-
-
 def at_places(stage: Stage) -> list[standard.LoopsAt]:
     """Return the loops of the shipped controller in the middle and at places over a pitch, for the margins of a stage.
 
@@ -149,7 +144,7 @@ def at_places(stage: Stage) -> list[standard.LoopsAt]:
     """
     block = stage.controller.block.rounded(stage.scalar)
     spread = places_over_pitch(stage.plant.parameter("l").value, PLACES)
-    places = {"in the middle": MIDDLE} | {f"at place {k + 1} of the pitch": place for k, place in enumerate(spread)}
+    places = {IN_THE_MIDDLE: MIDDLE} | {f"at place {k + 1} of the pitch": place for k, place in enumerate(spread)}
     each = {name: parts(stage.plant, block, place) for name, place in places.items()}
     return [standard.LoopsAt(name, AXES, (*MOTORS, *AXES), partial(open_loop, both)) for name, both in each.items()]
 

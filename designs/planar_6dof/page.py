@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from designs.planar_6dof import drawings, loops, verification
 from designs.planar_6dof import loop as simulated
-from models import halbach, hall_calibration, planar_stage
+from models import hall_calibration, planar_stage
 from models import hall_section_maps as sensing_maps
 from models import planar_allocation as allocation
 from synth.block import Block
@@ -84,7 +84,12 @@ def report(
     plant = planar_stage.plant()  # the motors of the stage see harmonics, which the equations leave out
     design, data = contents(plant), tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     block, time = design.block.rounded(np.float32), design.block.time
-    computed = {**_stage(plant, block), **_at_rest(runs, time, design), **_run_figures(runs, design)}
+    computed = {
+        **_stage(plant, block),
+        **_over_pitch(evidence),
+        **_at_rest(runs, time, design),
+        **_run_figures(runs, design),
+    }
     values = captions.with_captions(computed, data["blocks"])
     loop_part = standard.loops(design.loops)
     extra = template.Extra(
@@ -113,7 +118,6 @@ def _stage(plant: Plant, block: Block) -> dict[str, Content]:
     K, M, a, Izz = allocation.force_constant(plant), *(plant.parameter(n).value for n in ("M", "a", "Izz"))
     silent = sensing_maps.zero_voltages(plant, block.time, MAP_POINTS)
     failed = {"zero": silent, "stuck": sensing_maps.stuck_voltages(plant, block.time, PLACES)}
-    margins_by_place = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block)
     return {
         "stage.derived": [
             ("K", K, "N/A", "force of a motor per ampere, (17) with 3/(2π)"),
@@ -129,12 +133,15 @@ def _stage(plant: Plant, block: Block) -> dict[str, Content]:
             plant, {name: (w.noticed < 0).reshape(MAP_POINTS, MAP_POINTS) for name, w in silent.items()}
         ),
         "failures.table": [(n, kind, *w.summary(n).values()) for kind, of in failed.items() for n, w in of.items()],
-        "loops.places": len(margins_by_place),
-        "loops.pitch": [
-            (SYMBOLS.get(axis, axis), *sections.margins_ranges([each[axis] for each in margins_by_place]))
-            for axis in allocation.AXES
-        ],
     }
+
+
+def _over_pitch(evidence: Evidence) -> dict[str, Content]:
+    """Return the ranges of the margins of each axis over the places on the pitch, from the loops of the build."""
+    places = [loop for loop in evidence.loops.loops if loop.point != loops.IN_THE_MIDDLE] if evidence.loops else []
+    by_axis = {axis: [loop.margins for loop in places if loop.signal == axis] for axis in allocation.AXES}
+    ranges = [(SYMBOLS.get(axis, axis), *sections.margins_ranges(each)) for axis, each in by_axis.items() if each]
+    return {"loops.places": loops.PLACES, "loops.pitch": ranges}
 
 
 def _at_rest(runs: Sequence[Experiment], time: Discrete, design: Contents) -> dict[str, Content]:

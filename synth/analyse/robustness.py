@@ -11,6 +11,7 @@ keeps its nominal model. MATLAB: `getLoopTransfer` over `ureal` vertices, `allma
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from synth.analyse import disk, equilibrium, operating_points, stability_margins
 from synth.analyse.equilibrium import Equilibrium
 from synth.analyse.equilibrium_equations import SampledLoop, Wires
 from synth.analyse.stability_margins import Margins
+from synth.analyse.tolerances import Case
 from synth.check import Check
 from synth.declaration import Controller, Interface
 from synth.errors import ModelError, NoEquilibriumError, SignalError
@@ -26,10 +28,9 @@ from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import StateSpace
 
-NOMINAL: Mapping[str, float] = {}
-MAX_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
+NOMINAL: Case = {}
 
-Case = Mapping[str, float]  # parameter values that differ from the nominal ones
+Groups = Mapping[str, Sequence[str]]  # signals that vary at once, by name of the group
 
 
 @dataclass(frozen=True)
@@ -89,10 +90,21 @@ class Unsolved:
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """The loops at all operating points and cases, and those points and cases that have no equilibrium."""
+    """The loops at all operating points and cases, and those points and cases that have no equilibrium.
+
+    `disks` has the disk margins where all loops are stable, by point with changed parameters, then by the name of the
+    group of signals that vary at once.
+    """
 
     loops: Sequence[OpenLoop]
     unsolved: Sequence[Unsolved]
+    disks: Mapping[str, Mapping[str, disk.DiskMargin]] = field(default_factory=dict)
+
+    @property
+    def lost(self) -> list[str]:
+        """The points without an equilibrium and the loops that are not stable: they have no margins."""
+        unstable = [loop.label for loop in self.loops if not loop.margins.stable]
+        return [*(f"{u.label}: {u.reason}" for u in self.unsolved), *unstable]
 
 
 def case_text(case: Case) -> str:
@@ -131,6 +143,11 @@ class Loops:
         others = [sensor for sensor in self.sensors if sensor not in taken]
         return (*coordinates, *others) if coordinates else (*self.actuators, *others)
 
+    @property
+    def groups(self) -> Groups:
+        """The groups of signals that vary at once for the disk margins."""
+        return {"actuators": self.actuators, "sensors": self.sensors, "both": (*self.actuators, *self.sensors)}
+
 
 @arguments.checked
 def of_controller(
@@ -158,36 +175,6 @@ def of_controller(
     sensors = {s.name: s.of for s in interface.sensors}
     closed = SampledLoop(plant, controller.block.rounded(scalar), sensors, wires, interface.delay, coordinates or {})
     return Loops(closed, interface, dict(points), tuple(cases))
-
-
-@arguments.checked
-def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
-    """Return all combinations of some parameters at the ends of their tolerances: 2^k for k of them.
-
-    Raises SignalError for an unknown parameter, one without a tolerance, or more than MAX_CORNERS corners.
-    """
-    ends = [_ends(plant, name) for name in parameters]
-    if 2 ** len(ends) > MAX_CORNERS:
-        raise SignalError(
-            f"{len(ends)} parameters have 2^{len(ends)} corners, at most {MAX_CORNERS} are allowed: name fewer"
-        )
-    return [dict(zip(parameters, values, strict=True)) for values in itertools.product(*ends)] if ends else []
-
-
-@arguments.checked
-def one_at_a_time(plant: Plant) -> list[Case]:
-    """Return each parameter with a tolerance at both of its ends, the others at their nominal values."""
-    toleranced = [p.name for p in plant.parameters if p.tolerance and p.value]
-    return [{name: value} for name in toleranced for value in _ends(plant, name)]
-
-
-def _ends(plant: Plant, name: str) -> tuple[float, float]:
-    p = plant.parameter(name)
-    if not p.tolerance * abs(p.value):
-        raise SignalError(
-            f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: neither may be 0; set them"
-        )
-    return p.value * (1 - p.tolerance), p.value * (1 + p.tolerance)
 
 
 @arguments.checked
@@ -225,23 +212,28 @@ def open_loops(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenL
 
 
 @arguments.checked
-def survey(loops: Loops) -> Survey:
+def survey(loops: Loops, at_once: Groups = MappingProxyType({})) -> Survey:
     """Return the loops as `open_loops` does, with the points and cases without an equilibrium listed beside them.
 
-    An unstable loop may have no equilibrium that can be found, since its samples do not lead to one.
+    An unstable loop may have no equilibrium that can be found, since its samples do not lead to one. Where all loops
+    are stable, the disk margin with all signals of each group `at_once` is computed, too.
 
     Raises as `open_loops`, but no NoEquilibriumError.
     """
     opened: list[OpenLoop] = []
     unsolved: list[Unsolved] = []
+    disks: dict[str, Mapping[str, disk.DiskMargin]] = {}
     for point, case in itertools.product(loops.points, loops.cases):
         try:
             at_rest = equilibrium_at(loops, point, case)
         except NoEquilibriumError as error:
             unsolved.append(Unsolved(point, case, str(error)))
         else:
-            opened += [_open(point, case, signal, at_rest) for signal in loops.signals]
-    return Survey(opened, unsolved)
+            here = [_open(point, case, signal, at_rest) for signal in loops.signals]
+            opened += here
+            if at_once and all(loop.margins.stable for loop in here):
+                disks[f"{point}{case_text(case)}"] = _disks(at_rest, at_once)
+    return Survey(opened, unsolved, disks)
 
 
 def _open(point: str, case: Case, signal: str, at_rest: Equilibrium) -> OpenLoop:
@@ -259,8 +251,10 @@ def _margins(L: StateSpace, signal: str, point: str) -> Margins:
 @arguments.checked
 def disk_margins(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
     """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
-    at_rest = equilibrium_at(loops, point, case)
-    groups = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
+    return _disks(equilibrium_at(loops, point, case), loops.groups)
+
+
+def _disks(at_rest: Equilibrium, groups: Groups) -> dict[str, disk.DiskMargin]:
     return {name: disk.of_loop(equilibrium.open_loop(at_rest, list(signals))) for name, signals in groups.items()}
 
 

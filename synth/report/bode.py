@@ -17,7 +17,7 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator, NullFormatter
 from synth.analyse import plots, stability_margins
 from synth.analyse.stability_margins import Margins
 from synth.errors import SignalError
-from synth.report.figures import COLOURS, style_context
+from synth.report.figures import COLOURS, place_axes, style_context
 from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Discrete
 
@@ -39,7 +39,7 @@ class LoopCurve:
 
 
 def curve(
-    label: str, loop: StateSpace, loop_margins: Margins, low: float = 0.5, high: float = 1e4, points: int = 700
+    label: str, loop: StateSpace, loop_margins: Margins, low: float = 0.5, high: float = 1e4, points: int = 350
 ) -> LoopCurve:
     """Return the response of a scalar loop, with its margins, from `low` to `high` rad/s, at most NYQUIST pi/T.
 
@@ -78,8 +78,9 @@ def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
         raise SignalError(f"Bode plot has {len(curves)} loops: give 1 to {MAX_LOOPS}, more cannot be distinguished")
     widths = np.linspace(MAX_WIDTH, MIN_WIDTH, max(len(curves), 3)).tolist()
     with style_context():
-        figure = Figure(figsize=(9.0, 6.2), layout="constrained")
+        figure = Figure(figsize=(9.0, 6.2))
         gain, angle, sensitivity = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
+        place_axes(figure, 3, 1)
         for c, colour, width in zip(curves, COLOURS, widths, strict=False):
             _draw(gain, angle, sensitivity, c, {"color": colour, "linewidth": width})
         _decibels(gain, "|L|, dB", DECIBELS, 20)

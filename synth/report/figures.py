@@ -19,7 +19,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import ArrayLike, NDArray
 
 from synth.analyse.plots import COLOURS, style_context
@@ -30,7 +30,9 @@ from synth.statespace import Array
 Window = tuple[float, float]
 
 REFERENCE_COLOUR = "#000000"
-POINTS = 2000  # for each curve: more than the width of a screen
+POINTS = 1000  # for each curve: more than the 900 pixels of a figure's width
+LEFT, RIGHT, TOP, BOTTOM = 0.75, 0.12, 0.3, 0.45  # inches around the axes of a figure
+ROW_GAP, COLUMN_GAP = 0.2, 0.85  # inches between axes
 DEPTH = 1e-3  # of an encoder's count: smaller errors are irrelevant
 FLOOR = 1e-5  # of the largest error, if there is no level
 ZERO_SUBSTITUTE = 1e-12  # m or rad: value at which a zero error is drawn
@@ -94,8 +96,9 @@ def decimate(values: ArrayLike, points: int = POINTS) -> NDArray[np.intp]:
 def time_plot(time: ArrayLike, panels: Sequence[Panel], window: Window | None = None) -> Figure:
     """Draw panels (positions, currents, ...) above each other over time in s."""
     with style_context():
-        figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(panels)), layout="constrained")
+        figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(panels)))
         column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        place_axes(figure, len(panels), 1)
         for axes, panel in zip(column, panels, strict=True):
             _plot_signals(axes, np.asarray(time, dtype=np.float64), panel, window)
             _legend(axes)
@@ -124,8 +127,9 @@ def response(
     if not any(e.curves for e in errors):
         return time_plot(time, positions, window)
     with style_context():
-        figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(positions)), layout="constrained")
+        figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(positions)))
         grid = figure.subplots(len(positions), 2, sharex="col", squeeze=False)
+        place_axes(figure, len(positions), 2)
         for (left, right), position, error in zip(grid, positions, errors, strict=True):
             _plot_signals(left, time, position, window)
             _plot_errors(right, time, error) if error.curves else right.set_visible(False)
@@ -200,7 +204,7 @@ def _plot_errors(axes: Axes, time: Array, panel: Panel) -> None:
     axes.set_ylim(factor * least, factor * max(2 * greatest, 10 * least))
     axes.yaxis.set_major_locator(LogLocator(10, numticks=7))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_minor_locator(NullLocator())
     axes.set(ylabel=f"{panel.quantity}, {unit}", xlim=_span(time))
 
 
@@ -226,6 +230,21 @@ def _legend(axes: Axes) -> None:
     """Put a legend above the axes if there are two or more curves."""
     if len(axes.get_legend_handles_labels()[0]) > 1:
         put_legend_above(axes)
+
+
+def place_axes(figure: Figure, rows: int, columns: int) -> None:
+    """Place a grid of axes by margins in inches: a layout that measures every label takes longer than the drawing."""
+    width, height = figure.get_size_inches()
+    inner_width = (width - LEFT - RIGHT - (columns - 1) * COLUMN_GAP) / columns
+    inner_height = (height - TOP - BOTTOM - (rows - 1) * ROW_GAP) / rows
+    figure.subplots_adjust(
+        LEFT / width,
+        BOTTOM / height,
+        1 - RIGHT / width,
+        1 - TOP / height,
+        COLUMN_GAP / inner_width,
+        ROW_GAP / inner_height,
+    )
 
 
 def put_legend_above(axes: Axes) -> None:

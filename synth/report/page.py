@@ -1,6 +1,6 @@
 """Report page: sections of blocks, rendered as one self-contained HTML file.
 
-A Report is data. `render` numbers its figures and tables, counts its checks, and lists the failed checks at the top.
+A Report is data. `render` numbers its figures and tables, and puts the first screen of its checks at the top.
 All text is escaped; only the <svg> of a Figure is markup. A page that would load external content is refused.
 """
 
@@ -17,9 +17,10 @@ from markupsafe import Markup
 
 from synth.check import Check
 from synth.errors import DesignError
-from synth.report import notation
+from synth.report import first_screen, notation
 
 Cell = str | float
+MANY = 12  # checks of a table, of which the passed ones of a longer one are collapsed
 _LOADS = {"src", "srcset", "href", "xlink:href", "data", "poster", "action", "formaction", "background"}
 _STYLE_LOADS = re.compile(r"url\(\s*['\"]?([^'\")]*)|@import\s+['\"]?([^'\";]*)")
 
@@ -181,12 +182,6 @@ def parts(sections: Iterable[Section], prefix: str = "") -> Iterator[Part]:
         yield from parts(section.sections, f"{number}.")
 
 
-def failures(parts: Iterable[Part]) -> tuple[tuple[Part, Check], ...]:
-    """Return each failed check with the section that contains it."""
-    checks = ((p, c) for p in parts for b in p.section.blocks if isinstance(b, Checks) for c in b.checks)
-    return tuple((p, c) for p, c in checks if not c.passed)
-
-
 def render(report: Report) -> str:
     """Return the report as one HTML document.
 
@@ -200,12 +195,17 @@ def render(report: Report) -> str:
     environment.tests["text"] = lambda cell: isinstance(cell, str)
     template = resources.files(__package__).joinpath("page.html.j2").read_text(encoding="utf-8")
     numbered = tuple(parts(report.sections))
+    of_parts = [
+        (p.section.title, [c for b in p.section.blocks if isinstance(b, Checks) for c in b.checks]) for p in numbered
+    ]
+    screen = first_screen.section(first_screen.rows(of_parts), {p.section.title: p.id for p in numbered[::-1]})
     html = environment.from_string(template).render(
-        report=report, parts=numbered, failures=failures(numbered), kind=lambda block: type(block).__name__.lower()
+        report=report, parts=numbered, first_screen=screen, many=MANY, kind=lambda block: type(block).__name__.lower()
     )
-    if addresses := external_addresses(html):
+    reader = _read(html)
+    if addresses := reader.external:
         raise DesignError(f"the report would load {', '.join(addresses)}: embed this content in the page")
-    if duplicates := _repeated_ids(html):
+    if duplicates := [i for i, count in Counter(reader.ids).items() if count > 1]:
         raise DesignError(
             f"the ids {', '.join(duplicates)} are used twice in the report: give each figure a different name"
         )
@@ -214,10 +214,14 @@ def render(report: Report) -> str:
 
 def external_addresses(html: str) -> tuple[str, ...]:
     """Return the external addresses in attributes, styles and scripts that a browser would load or follow."""
+    return _read(html).external
+
+
+def _read(html: str) -> "_Reader":
     reader = _Reader()
     reader.feed(html)
     reader.close()
-    return tuple(dict.fromkeys(a for a in reader.addresses if a and not a.startswith(("#", "data:"))))
+    return reader
 
 
 class _Reader(HTMLParser):
@@ -228,6 +232,11 @@ class _Reader(HTMLParser):
         self.addresses: list[str] = []
         self.ids: list[str] = []
         self._inside = ""
+
+    @property
+    def external(self) -> tuple[str, ...]:
+        """The addresses outside the page."""
+        return tuple(dict.fromkeys(a for a in self.addresses if a and not a.startswith(("#", "data:"))))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self._inside = tag
@@ -247,14 +256,9 @@ class _Reader(HTMLParser):
 
 
 def _in_style(text: str) -> list[str]:
+    if "(" not in text and "@" not in text:  # as in the long paths of figures
+        return []
     return [(a or b).strip() for a, b in _STYLE_LOADS.findall(text)]
-
-
-def _repeated_ids(html: str) -> list[str]:
-    reader = _Reader()
-    reader.feed(html)
-    reader.close()
-    return [i for i, count in Counter(reader.ids).items() if count > 1]
 
 
 def _inline(svg: str) -> Markup:

@@ -87,7 +87,7 @@ def by_channel(measured: Mapping[str, float], channels: Sequence[str]) -> tuple[
     columns, rows = tuple(dict.fromkeys(quantity_of.values())), dict.fromkeys(channel_of.values())
     values = {(channel_of[name], quantity_of[name]): value for name, value in measured.items()}
     cells: list[tuple[page.Cell, ...]] = [(c, *(values.get((c, n), math.nan) for n in columns)) for c in rows]
-    return (page.Table("Measured, by channel", ("channel", *columns), tuple(cells)),)
+    return (page.Table("Measured by channel, no limit", ("channel", *columns), tuple(cells)),)
 
 
 def with_units(measured: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from synth.analyse.disk import DiskMargin
 from synth.analyse.stability_margins import Margins
 from synth.plant import Plant
-from synth.report import bode, figures
+from synth.report import bode, figures, first_screen
 from synth.report.audit import Row
 from synth.report.equations.glyphs import symbol
 from synth.report.notation import number, readable
@@ -59,7 +59,7 @@ def experiment(
     caption = f"{run.title}: {run.about}."
     if run.references and window:
         caption += f" On the left {window[0]:g} to {window[1]:g} s."
-    measured = (Table("Measured", ("figure", "value", "unit"), _measured_rows(run)),) if run.figures else ()
+    measured = (Table("Measured, no limit", ("figure", "value", "unit"), _measured_rows(run)),) if run.figures else ()
     checks = (Checks("Checks", run.checks),) if run.checks else ()
     return Section(run.title, (Figure(plot, caption, published), *measured, *checks))
 
@@ -139,9 +139,9 @@ def cost(measured: Cost | None) -> Section:
     """Return the cost of the emitted step on a core, with that of other generators; None if it was not measured."""
     if measured is None:
         why = "Not measured: the step computes in double, for which a Cortex-M4F has no hardware."
-        return Section("Cost", (Text(why),))
+        return Section(first_screen.COST, (Text(why),))
     rendered = (Table(t.caption, t.columns, t.rows, digits=6) for t in tables(measured))
-    return Section("Cost", (Text(f"{NOTE} {'; '.join(measured.absent)}."), *rendered))
+    return Section(first_screen.COST, (Text(f"{NOTE} {'; '.join(measured.absent)}."), *rendered))
 
 
 def files(texts: Mapping[str, str]) -> Table:

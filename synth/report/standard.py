@@ -7,7 +7,7 @@ that they need.
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
@@ -15,13 +15,13 @@ import numpy as np
 
 from synth.analyse.stability_margins import Margins
 from synth.block import Block
-from synth.check import Check
 from synth.emit.write import EmittedCode
 from synth.plant import Plant
 from synth.report import bode, figures, gains_table, page, sections
 from synth.report.audit import Row
 from synth.report.equations import display
 from synth.report.equations.derive import NamedTerms
+from synth.report.first_screen import AUDIT, EXPERIMENTS, LOOPS, VERIFICATION
 from synth.report.notation import number
 from synth.report.page import Section
 from synth.report.presentation import HEADROOM, Shown, by_channel, in_fine_units, window, with_units
@@ -31,9 +31,7 @@ from synth.statespace import StateSpace
 from synth.timing import Discrete
 from synth.verify.evidence import Evidence
 
-MODEL, LAW, GAINS, LOOPS = "Model", "Control law", "Gains and certificates", "Loops and margins"
-EXPERIMENTS, AUDIT = "Experiments", "Audit of the paper"
-VERIFICATION, COST, FILES = "Verification", "Cost", "Files"
+MODEL, LAW, GAINS, FILES = "Model", "Control law", "Gains and certificates", "Files"
 WITNESSES = (
     "reference: NumPy, written from the equations, with independently computed gains. casadi: evaluation by CasADi. "
     "casadi_c: C of CasADi's code generator, double. c64, c32: the emitted C in double and single precision."
@@ -112,14 +110,13 @@ def gains(document: Mapping[str, Any]) -> Section:
     return Section(GAINS, gains_table.tables(document))
 
 
-def loops(opened: Iterable[Loop], required: Sequence[Check] = (), blocks: Sequence[page.Block] = ()) -> Section:
-    """Return the Bode plots and margins of loops by loop-breaking point, and the required margins."""
+def loops(opened: Iterable[Loop], blocks: Sequence[page.Block] = ()) -> Section:
+    """Return the Bode plots and margins of loops by loop-breaking point, below other `blocks`."""
     by_signal: dict[str, list[Loop]] = defaultdict(list)
     for loop in opened:
         by_signal[loop.signal].append(loop)
-    checks = (page.Checks("Margins", tuple(required)),) if required else ()
     parts = tuple(_loop(signal, each) for signal, each in by_signal.items())
-    return Section(LOOPS, (*blocks, *checks), parts)
+    return Section(LOOPS, tuple(blocks), parts)
 
 
 def _loop(signal: str, opened: Sequence[Loop]) -> Section:
@@ -167,16 +164,11 @@ def audit(rows: Sequence[Row], blocks: Sequence[page.Block] = (page.Text("Verdic
     return Section(AUDIT, (*blocks, sections.audit(rows)))
 
 
-def verification(
-    evidence: Evidence, floor: str = "", shown_elsewhere: Callable[[Check], bool] = lambda check: False
-) -> Section:
-    """Return the agreement of the witnesses and the checks, without the checks that are `shown_elsewhere`.
-
-    `floor` states the value below which a difference is relative to the floor.
-    """
+def verification(evidence: Evidence, floor: str = "") -> Section:
+    """Return the agreement of the witnesses and its checks; differences below the `floor` are relative to it."""
     text = page.Text(f"{WITNESSES} {f'The floor is {floor}.' if floor else ''}".strip())
-    checks = tuple(check for check in evidence.checks if not shown_elsewhere(check))
-    return Section(VERIFICATION, (text, sections.agreements(evidence.agreements), page.Checks("Limits", checks)))
+    checks = page.Checks("Limits", tuple(evidence.checks))
+    return Section(VERIFICATION, (text, sections.agreements(evidence.agreements), checks))
 
 
 def files(emitted: Mapping[str, EmittedCode]) -> Section:

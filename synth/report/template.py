@@ -15,22 +15,21 @@ from typing import Any
 import numpy as np
 
 from synth.analyse import robustness
+from synth.analyse.robustness import Survey
 from synth.check import Check, Incomplete, of_error
 from synth.declaration import Stage
 from synth.emit.write import EmittedCode
-from synth.report import faults, page, prose, sections, standard, study
+from synth.report import faults, first_screen, page, prose, sections, standard, study
 from synth.report.audit import Row
 from synth.report.equations.derive import NamedTerms
 from synth.report.page import Section
 from synth.report.presentation import Shown
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
-from synth.verify import standard as verification
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
 FLOOR = "the largest magnitude in the output's range"
-MARGINS = frozenset((verification.LOST, *(n.replace("_", " ") for n in (*robustness.REQUIREMENTS, verification.DISK))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,22 +74,21 @@ def report(
         **({study.TITLE: partial(study.section, evidence.study)} if evidence.study else {}),
         **({faults.TITLE: partial(faults.section, evidence.faults)} if evidence.faults else {}),
         **({standard.AUDIT: lambda: standard.audit(rows)} if rows else {}),
-        standard.VERIFICATION: lambda: standard.verification(evidence, extra.floor, is_margin),
-        standard.COST: lambda: _with_blocks(sections.cost(cost), extra.cost(runs) if cost else ()),
+        standard.VERIFICATION: lambda: standard.verification(evidence, extra.floor),
+        first_screen.COST: lambda: _with_blocks(sections.cost(cost), extra.cost(runs) if cost else ()),
         standard.FILES: lambda: standard.files(files),
     }
     replaced = {s.title: s for s in extra.sections}
-    if standard.LOOPS in replaced:
-        margins = page.Checks("Margins", tuple(c for c in evidence.checks if is_margin(c)))
-        section = replaced[standard.LOOPS]
-        replaced[standard.LOOPS] = replace(section, blocks=(margins, *section.blocks))
     parts, failed = [], list[Check]()
     for title, make in makers.items():
         try:
-            parts.append(replaced[title] if title in replaced else make())
+            section = replaced[title] if title in replaced else make()
         except Exception as error:
             failed.append(of_error(f"the section {title}", error))
-            parts.append(Section(title, (page.Checks("Errors", (failed[-1],)),)))
+            section = Section(title, (page.Checks("Errors", (failed[-1],)),))
+        checks = tuple(evidence.verdicts.get(title, ()))
+        verdicts = (page.Checks("Requirements", checks),) if checks else ()
+        parts.append(replace(section, blocks=(*verdicts, *section.blocks)))
     known = {**values(stage, rows), **extra.values}
     about = f"{stage.name}: {stage.warning} {stage.about}" if stage.warning else stage.about
     html = assemble(stage.name, about, (*facts(stage), *extra.facts), parts, known, extra.shared)
@@ -138,7 +136,7 @@ def _declared_sections(
         standard.MODEL: lambda: standard.model(stage.plant, extra.terms),
         standard.LAW: lambda: standard.law(block, extra.law),
         standard.GAINS: lambda: standard.gains(gains),
-        standard.LOOPS: lambda: loops(stage, [c for c in evidence.checks if is_margin(c)]),
+        standard.LOOPS: lambda: loops(evidence.loops),
     }
 
 
@@ -159,20 +157,26 @@ def facts(stage: Stage) -> tuple[tuple[str, str], ...]:
     return (*standard.facts(stage.controller.time, stage.scalar, inputs, shown), ("delay", delay))
 
 
-def loops(stage: Stage, required: Sequence[Check]) -> Section:
-    """Return the loops of a stage at its operating points, their margins, and the disk margins of the stable ones."""
-    if not stage.operating_points:
+def loops(survey: Survey | None) -> Section:
+    """Return the loops of the nominal plant, and of all the worst at each signal, with disk margins likewise."""
+    if survey is None:
         return Section(standard.LOOPS, (page.Text("No operating points are declared; there are no loops to show."),))
-    opened = verification.loops(stage)
-    survey = robustness.survey(opened)
     unstable = dict.fromkeys(loop.point for loop in survey.loops if not loop.margins.stable)
-    lost = {*unstable, *(u.point for u in survey.unsolved)}
-    disks = {point: robustness.disk_margins(opened, point) for point in opened.points if point not in lost}
     notes = [f"The closed loop is UNSTABLE at {', '.join(unstable)}: it has no disk margin there."] if unstable else []
     notes += [f"No equilibrium of the loop was found {u.label}: {u.reason}." for u in survey.unsolved]
-    tables = (sections.disks(disks),) if disks else ()
-    blocks = (page.Text(standard.OPENED), *map(page.Text, notes), *tables)
-    return standard.loops(survey.loops, required, blocks)
+    worst: dict[str, robustness.OpenLoop] = {}
+    for loop in sorted(survey.loops, key=lambda loop: loop.margin("modulus_margin")):
+        worst.setdefault(loop.signal, loop)
+    shown = [loop for loop in survey.loops if not loop.case or loop is worst[loop.signal]]
+    return standard.loops(shown, (page.Text(standard.OPENED), *map(page.Text, notes), *disks(survey)))
+
+
+def disks(survey: Survey) -> tuple[page.Table, ...]:
+    """Return the table of the disk margins at the points of the nominal plant, and of all the least."""
+    nominal = {loop.point for loop in survey.loops if not loop.case}
+    least = min(survey.disks, key=lambda place: survey.disks[place]["both"].lower, default="")
+    shown = {place: each for place, each in survey.disks.items() if place in nominal or place == least}
+    return (sections.disks(shown),) if shown else ()
 
 
 def default_style(stage: Stage) -> Shown:
@@ -181,11 +185,6 @@ def default_style(stage: Stage) -> Shown:
     signals = [*plant.states, *plant.inputs, *plant.outputs, *stage.interface.signals.values()]
     levels = {name: s.resolution for s in stage.interface.sensors if s.resolution for name in (s.name, s.of)}
     return Shown({s.name: s.unit for s in signals}, levels)
-
-
-def is_margin(check: Check) -> bool:
-    """Return whether a check belongs to a required margin."""
-    return check.name in MARGINS
 
 
 def values(stage: Stage, rows: Sequence[Row]) -> dict[str, Value]:

@@ -168,7 +168,7 @@ def campaign(
     units, table = {q: states[q].unit for q in rates}, rows(runs)
     derived = injections.derive(rig.stage)
     others = [(i.target, i.kind, on, i.duration) for i in derived for on in condition_names(rig.stage)]
-    limits = [l for l in rig.stage.faults.limits if _matching(l, table) or not any(_matches(l, o) for o in others)]
+    limits = [l for l in rig.stage.faults.limits if matching(l, table) or not any(_matches(l, o) for o in others)]
     return Campaign(
         rig.stage.name, plants, len(derived), table, tuple(healthy), tuple(sweeps),
         len(pairs), sum(w for w, _ in harmed), sum(h for _, h in harmed),
@@ -203,7 +203,7 @@ def _checks(
     harmless = sum(not without.harms for without, _ in pairs)
     checks.append(Check(CONTROL, float(harmless), len(pairs) - 1.0, "1", "the negative control"))
     without_latch = rows([without for without, _ in pairs])
-    controlled = [l for l in limits if l.measure != FALSE_ALARMS and _matching(l, without_latch)]
+    controlled = [l for l in limits if l.measure != FALSE_ALARMS and matching(l, without_latch)]
     if controlled:
         passed = sum(_check(limit, without_latch, (), units).passed for limit in controlled)
         checks.append(Check(CONTROL_LIMITS, float(passed), len(controlled) - 1.0, "1", "the negative control"))
@@ -230,12 +230,12 @@ def _check(limit: FaultLimit, table: Sequence[Row], healthy: Healthy, units: Map
         impacts = [v for h in healthy if fnmatchcase(h.condition, limit.condition) for v in h.impacts.values()]
         return Check(name, max(impacts, default=0.0), limit.most, _speed_units(units), "impacts in healthy runs")
     measure, unit = _measure(limit.measure, units)
-    matching = _matching(limit, table)
-    if not matching:
+    affected = matching(limit, table)
+    if not affected:
         raise SignalError(f"limit '{name}' matches no fault of the campaign: correct its patterns, or leave it out")
-    if all(row.runs == row.without_effect for row in matching):
+    if all(row.runs == row.without_effect for row in affected):
         return Check(name, math.nan, limit.most, unit, "no matching fault has an effect: nothing was tested")
-    worst = max(matching, key=measure)
+    worst = max(affected, key=measure)
     return Check(name, measure(worst), limit.most, unit, ", ".join(_columns(worst)))
 
 
@@ -243,7 +243,8 @@ def _patterns(limit: FaultLimit) -> tuple[str, str, str, str]:
     return limit.target, limit.kind, limit.condition, limit.duration
 
 
-def _matching(limit: FaultLimit, table: Sequence[Row]) -> list[Row]:
+def matching(limit: FaultLimit, table: Sequence[Row]) -> list[Row]:
+    """Return the rows whose target, kind, condition and duration have the patterns of a limit."""
     return [row for row in table if _matches(limit, _columns(row))]
 
 

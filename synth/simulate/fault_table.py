@@ -22,11 +22,17 @@ def worst_targets(result: Campaign) -> tuple[Row, ...]:
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row in result.rows:
         groups.setdefault((row.group, row.kind, row.condition, row.duration), []).append(row)
-    return tuple(max(each, key=partial(_severity, result)) for each in groups.values())
+    return tuple(max(each, key=partial(severity, result)) for each in groups.values())
 
 
-def _severity(result: Campaign, row: Row) -> tuple[float, float]:
+def severity(result: Campaign, row: Row) -> tuple[float, float]:
+    """Return the fastest impact and the largest excursion of a row, as fractions of the ranges."""
     return _largest(row.impacts, result.rate_spans)[1], _largest(_controlled_excursions(result, row), result.spans)[1]
+
+
+def fastest_stop(result: Campaign, row: Row) -> str:
+    """Return the position with the fastest impact on a stop, as a fraction of the range of its rate."""
+    return _largest(row.impacts, result.rate_spans)[0]
 
 
 def _controlled_excursions(result: Campaign, row: Row) -> dict[str, float]:
@@ -74,7 +80,7 @@ def _impact(result: Campaign, row: Row) -> str:
     """Return speed, position and energy of the fastest impact."""
     if not row.impact:
         return ""
-    stop = _largest(row.impacts, result.rate_spans)[0]
+    stop = fastest_stop(result, row)
     energy = f", {row.energies[stop]:.2g} J" if stop in row.energies else ""
     return f"{row.impacts[stop]:.3g} {per_second(result.units[stop])} {stop}{energy}"
 

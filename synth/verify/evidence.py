@@ -1,11 +1,12 @@
 """Verification evidence of a design: measured values with their limits."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from synth import check as checks
 from synth import show
+from synth.analyse.robustness import Survey
 from synth.check import Check
 from synth.simulate import study_table
 from synth.simulate.fault_rows import Campaign
@@ -16,13 +17,19 @@ from synth.verify.agree import Agreement
 @show.with_repr
 @dataclass(frozen=True, repr=False)
 class Evidence:
-    """Agreements between witnesses and the checks that follow from them; fault campaign and study, where run."""
+    """Agreements between witnesses and the checks that follow from them; what else a build measured, where it did.
+
+    `loops` are the loops with their margins, `faults` the campaign, `study` the study. `verdicts` are the checks that
+    the toolkit makes of these and of audit and cost, by title of the section of the report that shows them.
+    """
 
     design: str
     agreements: Sequence[Agreement]
     checks: Sequence[Check]
     faults: Campaign | None = None
     study: StudyTable | None = None
+    loops: Survey | None = None
+    verdicts: Mapping[str, Sequence[Check]] = field(default_factory=dict)
 
     def sheet(self) -> show.Sheet:
         """Return the checks and the agreements."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from synth import arguments
-from synth.analyse import robustness
+from synth.analyse import robustness, tolerances
 from synth.check import Check
 from synth.declaration import Reference, Stage
 from synth.errors import DesignError
@@ -110,7 +110,7 @@ def loops(stage: Stage) -> robustness.Loops:
 
 def over_tolerances(stage: Stage) -> robustness.Loops:
     """Return the loops of a stage for the nominal plant and for the corners of the declared tolerances."""
-    return replace(loops(stage), cases=(robustness.NOMINAL, *robustness.corners(stage.plant, stage.tolerances)))
+    return replace(loops(stage), cases=(robustness.NOMINAL, *tolerances.corners(stage.plant, stage.tolerances)))
 
 
 def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str]) -> dict[str, float]:

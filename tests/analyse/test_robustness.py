@@ -5,7 +5,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.analyse import disk, equilibrium, linearisation, loop, operating_points, robustness, stability_margins
+from synth.analyse import (
+    disk,
+    equilibrium,
+    linearisation,
+    loop,
+    operating_points,
+    robustness,
+    stability_margins,
+    tolerances,
+)
 from synth.analyse.robustness import Loops
 from synth.errors import NoEquilibriumError, SignalError
 from tests import levitator
@@ -60,7 +69,7 @@ def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[r
 
 
 def test_the_worst_loop_is_named_with_its_parameters() -> None:
-    cases = [robustness.NOMINAL, *robustness.corners(DESIGN.PLANT, ["k", "m"])]
+    cases = [robustness.NOMINAL, *tolerances.corners(DESIGN.PLANT, ["k", "m"])]
     open_loops = robustness.open_loops(loops({"mid": {"z": 0.0}}, cases), ["i2"])
     (check,) = robustness.checks(open_loops, {"modulus_margin": 0.5})
     least = min(open_loops, key=lambda o: o.margins.modulus_margin)
@@ -106,19 +115,19 @@ def test_disk_margins_are_no_larger_than_those_of_one_channel(nominal: list[robu
 
 def test_tolerances_are_taken_one_at_a_time_or_in_all_corners() -> None:
     plant = DESIGN.PLANT
-    alone = robustness.one_at_a_time(plant)
+    alone = tolerances.one_at_a_time(plant)
     assert len(alone) == 18 and {"M": pytest.approx(1.425)} in alone and not any("g" in case for case in alone)
-    corners = robustness.corners(plant, ["K", "F0"])
+    corners = tolerances.corners(plant, ["K", "F0"])
     expected = [(18.0, 13.72), (18.0, 14.28), (22.0, 13.72), (22.0, 14.28)]
     np.testing.assert_allclose([tuple(c.values()) for c in corners], expected)
-    assert robustness.corners(plant, []) == []
+    assert tolerances.corners(plant, []) == []
 
 
 def test_unknown_names_are_refused(nominal: list[robustness.OpenLoop]) -> None:
     with pytest.raises(SignalError, match=r"parameter 'g' is 9.81 .* with the tolerance 0"):
-        robustness.corners(DESIGN.PLANT, ["g"])
+        tolerances.corners(DESIGN.PLANT, ["g"])
     with pytest.raises(SignalError, match="2\\^11 corners"):
-        robustness.corners(DESIGN.PLANT, ["K"] * 11)
+        tolerances.corners(DESIGN.PLANT, ["K"] * 11)
     with pytest.raises(SignalError, match="no operating point 'mid': choose one of low, side"):
         robustness.equilibrium_at(loops(), "mid")
     with pytest.raises(SignalError, match="no operating points"):

@@ -90,25 +90,45 @@ def test_embedded_content_is_accepted() -> None:
     assert page.external_addresses(page.render(report(GOOD, svg=SVG.replace("</svg>", inside)))) == ()
 
 
-def test_a_failed_check_is_in_the_summary_the_contents_and_its_table() -> None:
+def test_a_failed_check_comes_first_in_red_and_is_in_the_contents_and_its_table() -> None:
     html = page.render(report(GOOD, BAD))
-    summary, contents, rest = re.split("<nav|</nav>", html)
-    assert '2 checks, <span class="bad">1 failed</span>' in summary and 'class="summary failed"' in summary
-    assert '<a href="#s2-1">2.1 Step</a>: <span class="bad">✗ t_s</span>, found 2.4 s, limit 2.2 s' in summary
+    screen, contents, rest = re.split("<nav|</nav>", html)
+    assert '<strong class="bad">1 of 2 requirements missed; 0 values without a limit' in screen
+    assert 'class="summary failed"' in screen
+    first, second = re.findall(r"<tr.*</tr>", screen)[1:]
+    assert first.startswith('<tr class="failed"><td><span class="bad">✗</span> <a href="#s2-1">t_s</a></td>')
+    cells = ("2.4 s", "at most 2.2 s", "missed by 9.1 %", "")
+    assert re.findall(r"<td>([^<]*)</td>", first) == list(cells) and "falls short" not in html
+    assert second.startswith('<tr><td><a href="#s2-1">overshoot</a></td><td>0.118</td><td>at most 0.2</td>')
     assert contents.count('<span class="bad">✗ 1 failed</span>') == 2
     assert rest.count('<tr class="failed">') == 1 and rest.count('<span class="bad">✗ fail</span>') == 1
     assert rest.count('<span class="good">✓ pass</span>') == 1
-    assert re.search(r"\.bad \{[^}]*var\(--bad\)", summary) and "--bad: #b00020" in summary
+    assert re.search(r"\.bad \{[^}]*var\(--bad\)", screen) and "--bad: #b00020" in screen
 
 
 def test_no_failure_is_shown_where_there_is_none() -> None:
     html = page.render(report(GOOD))
-    assert '1 checks, <span class="good">0 failed</span>' in html and "✗" not in html and 'failed"' not in html
+    assert '<strong class="good">all 1 requirements kept' in html and "✗" not in html and 'failed"' not in html
+
+
+def test_a_value_without_a_limit_is_counted_and_says_so() -> None:
+    free = (Check("cost", 900.0, math.inf, "1"), Check("disk margin", 0.3, -math.inf, "1", at_least=True))
+    html = page.render(report(GOOD, *free))
+    assert "all 1 requirements kept; 2 values without a limit" in html and html.count("<td>no limit</td>") >= 2
 
 
 def test_nan_fails() -> None:
     html = page.render(report(Check("margin", math.nan, 1.0, "s")))
-    assert "✗ margin" in html and "no number" in html
+    assert 'class="summary failed"' in html and "<td>no number" in html and "<td>not measured</td>" in html
+
+
+def test_many_checks_that_pass_are_collapsed_and_the_failed_one_is_not() -> None:
+    many = [Check(f"agreement {k}", 1e-9 * k, 1e-6, "1") for k in range(300)]
+    screen, rest = page.render(report(*many, BAD)).split("<nav")
+    assert screen.count("<tr") == 3 and "Step: 300 checks; least margin: agreement 299" in screen
+    shown, collapsed = rest.split("<details>")
+    assert "Limits: 300 that pass" in collapsed and "agreement 7<" in collapsed and "agreement" not in shown
+    assert shown.count('<tr class="failed">') == 1
 
 
 def test_text_is_shown_as_text() -> None:

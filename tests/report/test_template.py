@@ -5,9 +5,10 @@ from typing import Any
 
 import pytest
 
+from synth import verdicts
 from synth.analyse import robustness
 from synth.check import Check
-from synth.report import page, standard, template
+from synth.report import first_screen, page, standard, template
 from synth.report.page import Section
 from synth.report.template import Extra
 from synth.verify.evidence import Evidence
@@ -15,7 +16,8 @@ from tests import levitator
 
 STAGE = levitator.design().DESIGN.stage
 MARGIN = Check("phase margin", 38.0, 35.0, "degrees", at_least=True)
-EVIDENCE = Evidence("levitator_pid", (), (MARGIN, Check("random steps", 0.0, 1e-9, "A")))
+STEPS = Check("random steps", 0.0, 1e-9, "A")
+EVIDENCE = Evidence("levitator_pid", (), (STEPS,), verdicts={standard.LOOPS: (MARGIN,)})
 OWN = "# Model\nThe moved mass is {{ plant.M }} kg, read every {{ period_ms:g }} ms.\n\n# Bench\n{{ bench }}\n"
 
 
@@ -29,15 +31,16 @@ def report(monkeypatch: pytest.MonkeyPatch, words: str, **extra: Any) -> str:
 def test_a_declaration_alone_gives_every_standard_section(monkeypatch: pytest.MonkeyPatch) -> None:
     html = report(monkeypatch, "")
     titles = (standard.MODEL, standard.LAW, standard.GAINS, standard.LOOPS, standard.EXPERIMENTS)
-    for title in (*titles, standard.VERIFICATION, standard.COST, standard.FILES):
+    for title in (*titles, standard.VERIFICATION, first_screen.COST, standard.FILES):
         assert f" {title}</h2>" in html, title
     assert "<math" in html and standard.AUDIT not in html
-    assert "2 checks" in html and html.count("<td>phase margin</td>") == 1
+    assert "all 2 requirements kept" in html and html.count("<td>phase margin</td>") == 1
 
 
 def test_a_loop_that_is_not_stable_is_reported_as_such() -> None:
     """With six times the gain of the coil, the loop of z is not stable in the middle and above."""
-    loops = template.loops(replace(STAGE, plant=STAGE.plant.with_parameters(K=120.0)), [MARGIN])
+    survey = verdicts.survey(replace(STAGE, plant=STAGE.plant.with_parameters(K=120.0), tolerances=()))
+    loops = template.loops(survey)
     texts = [block.text for block in loops.blocks if isinstance(block, page.Text)]
     assert "The closed loop is UNSTABLE at mid, high: it has no disk margin there." in texts
     (disks,) = (block for block in loops.blocks if isinstance(block, page.Table))
@@ -46,12 +49,23 @@ def test_a_loop_that_is_not_stable_is_reported_as_such() -> None:
     assert [row[1] for row in table.rows] == ["stable", "UNSTABLE", "UNSTABLE"]
 
 
-def test_a_point_without_an_equilibrium_is_named_in_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_point_without_an_equilibrium_is_named_in_the_report() -> None:
     lost = robustness.Survey((), [robustness.Unsolved(n, {}, "'z' still changes") for n in ("low", "mid", "high")])
-    monkeypatch.setattr(robustness, "survey", lambda loops: lost)
-    loops = template.loops(STAGE, [MARGIN])
+    loops = template.loops(lost)
     texts = [block.text for block in loops.blocks if isinstance(block, page.Text)]
     assert "No equilibrium of the loop was found at mid: 'z' still changes." in texts and not loops.sections
+
+
+def test_of_the_corners_of_the_tolerances_the_worst_is_shown_beside_the_nominal_plant() -> None:
+    survey = verdicts.survey(replace(STAGE, tolerances=("M",), operating_points={"mid": STAGE.operating_points["mid"]}))
+    assert survey is not None and len(survey.loops) == 3 * len({loop.signal for loop in survey.loops})
+    by_signal = {loop.signal: [other for other in survey.loops if other.signal == loop.signal] for loop in survey.loops}
+    worst = [min(each, key=lambda loop: loop.margins.modulus_margin) for each in by_signal.values()]
+    corners = [loop for loop in worst if loop.case]
+    assert corners, "no corner is worse than the nominal plant"
+    tables = [block for section in template.loops(survey).sections for block in section.blocks]
+    labels = [str(row[0]) for table in tables if isinstance(table, page.Table) for row in table.rows]
+    assert [label for label in labels if "M =" in label] == [c.label.partition(", ")[2] for c in corners]
 
 
 def test_text_and_blocks_of_report_md_are_placed_by_title(monkeypatch: pytest.MonkeyPatch) -> None:

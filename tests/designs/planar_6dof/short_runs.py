@@ -1,12 +1,11 @@
 """Runs as the designs' experiments are called, cut short, and reports made of few points."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
 
-from designs.planar_6dof import drawings, experiments, loops, page
+from designs.planar_6dof import drawings, experiments, page
 from designs.planar_6dof.loop import simulate
 from models import hall_section_maps as sensing_maps
 from synth.report.audit import Figure, Published, Row, Verdict
@@ -33,9 +32,8 @@ def runs(loop: Rig) -> list[Experiment]:
 
 
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let maps have few points and loops be opened at one place, so that a page takes seconds."""
+    """Let maps have few points, so that a page takes seconds."""
     monkeypatch.setattr(page, "PLACES", 2)
     monkeypatch.setattr(sensing_maps, "SPEED", 2.0)
     monkeypatch.setattr(drawings, "POINTS", 8)
     monkeypatch.setattr(page, "MAP_POINTS", 3)
-    monkeypatch.setattr(loops, "over_pitch", partial(loops.over_pitch, places=1))

@@ -159,10 +159,12 @@ def test_it_is_at_rest_wherever_the_platen_is(cases: dict[str, Case]) -> None:
 def test_margins_over_a_pitch_scatter_little(parts_of: dict[str, loops.LoopParts], cases: dict[str, Case]) -> None:
     """The calibrated slope of x is off by a few per cent at most, and so is the crossover."""
     middle = stability_margins.of_loop(loops.open_loop(parts_of["leadlag"], ["x"]))
-    by_place = loops.over_pitch(PLANT, cases["leadlag"][0], places=3)
-    for each in by_place:
-        assert each["x"].stable and each["x"].phase_margin == pytest.approx(middle.phase_margin, abs=3)
-    assert len({each["x"].phase_margin for each in by_place}) > 1
+    places = loops.places_over_pitch(PLANT.parameter("l").value, 3)
+    each_place = [loops.parts(PLANT, cases["leadlag"][0], place) for place in places]
+    by_place = [stability_margins.of_loop(loops.open_loop(both, ["x"])) for both in each_place]
+    for margins in by_place:
+        assert margins.stable and margins.phase_margin == pytest.approx(middle.phase_margin, abs=3)
+    assert len({margins.phase_margin for margins in by_place}) > 1
 
 
 def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(parts_of: dict[str, loops.LoopParts]) -> None:
