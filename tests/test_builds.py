@@ -180,7 +180,7 @@ def test_no_design_loses_a_requirement(name: str, monkeypatch: pytest.MonkeyPatc
     evidence = builds.verify(planted, False, silent)
     checks = {c.name: c for c in evidence.checks}
     assert not evidence.passed and not checks["phase margin"].passed and not checks["delay margin"].passed
-    free = verdicts.margins(replace(stage, require={}))
+    free = verdicts.margins(replace(stage, require={}), evidence.loops)
     assert all(c.verdict == "no limit" for c in free if c.name != standard.LOST), "a margin without a limit has none"
 
 
