@@ -234,7 +234,7 @@ def studied(values: Sequence[float]) -> StudyTable:
 
 def test_instructions_have_a_ceiling_where_one_is_declared() -> None:
     class Measured:
-        core, most = "cortex-m4f", {"zig": 900, "gcc": 1100}
+        core, most, compared = "cortex-m4f", {"zig": 900, "gcc": 1100}, ()
 
     free, limited = variant().stage, variant(most_instructions=1000.0).stage
     assert verdicts.cost(free, Measured())[0].verdict == "no limit"  # type: ignore[arg-type]

@@ -185,7 +185,7 @@ def test_build_reports_the_cost() -> None:
 def test_build_measures_no_cost_of_doubles(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(workspace, "designs", lambda root, selected: [DOUBLES])
     assert RUNNER.invoke(cli.app, ["build"]).exit_code == 0
-    assert Path("reports/axes_2.html").read_text() == "cost: none"
+    assert Path("reports/axes_2.html").read_text().endswith("cost: none")
 
 
 def fail(report: Progress, whole: bool) -> Evidence:
