@@ -180,7 +180,7 @@ def test_no_design_loses_a_requirement(name: str, monkeypatch: pytest.MonkeyPatc
     evidence = builds.verify(planted, False, silent)
     checks = {c.name: c for c in evidence.checks}
     assert not evidence.passed and not checks["phase margin"].passed and not checks["delay margin"].passed
-    free = verdicts.margins(replace(stage, require={}))
+    free = verdicts.margins(replace(stage, require={}), evidence.loops)
     assert all(c.verdict == "no limit" for c in free if c.name != standard.LOST), "a margin without a limit has none"
 
 
@@ -234,7 +234,7 @@ def studied(values: Sequence[float]) -> StudyTable:
 
 def test_instructions_have_a_ceiling_where_one_is_declared() -> None:
     class Measured:
-        core, most = "cortex-m4f", {"zig": 900, "gcc": 1100}
+        core, most, compared = "cortex-m4f", {"zig": 900, "gcc": 1100}, ()
 
     free, limited = variant().stage, variant(most_instructions=1000.0).stage
     assert verdicts.cost(free, Measured())[0].verdict == "no limit"  # type: ignore[arg-type]

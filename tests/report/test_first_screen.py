@@ -59,6 +59,7 @@ def test_a_failed_check_among_many_has_a_row_of_its_own() -> None:
         (Check("a", -3.0, -2.0, "1"), "50 % left"),
         (Check("a", 0.5, 1.0, "1", at_least=True), "missed by 50 %"),
         (Check("a", math.inf, 0.5, "s"), "missed"),
+        (Check("a", 30.0, 10.0, "s"), "missed, 3 times the limit"),
     ],
 )
 def test_a_margin_is_said_in_words(check: Check, text: str) -> None:

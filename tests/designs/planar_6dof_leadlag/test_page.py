@@ -26,7 +26,7 @@ def test_it_shows_all_that_is_handed_in(monkeypatch: pytest.MonkeyPatch) -> None
     for title in ("x by 20 µm", "x by 20 µm, finite matrix", "Circle (Fig. 9)", "Planted"):
         assert f"{title}</h3>" in html
     assert html.count("open loop and sensitivity") == 2 == html.count("<td>as shipped</td>")
-    assert "<strong>" in html and "1 failed" in html and "✗ rise" in html
+    assert "requirements missed" in html and "✗ 1 failed" in html and ">rise</a>" in html
     assert html.count("Fig. 8: steps rise in less than 25 ms") == 2  # beside the finite one, too
     for text in ("before and ±10 µm after", "The path over the matrix", "Not measured"):
         assert text in html, text
