@@ -143,7 +143,6 @@ def test_each_part_that_raises_is_a_failed_check_and_the_others_go_on(
     of_faults = [about for name, about in errors.items() if name.startswith("errors of faults ")]
     assert of_faults and all(about.startswith("x ") for about in of_faults)
     assert checks["settles"]["passed"] and checks[verdicts.UNEXPLAINED]["passed"], "the others did not go on"
-    assert checks["false_alarms: every fault"]["verdict"] == "no limit"
     assert "could not be drawn" in html and "errors of experiment raises" in html
 
 
