@@ -161,6 +161,7 @@ def test_what_raised_an_error_is_not_cached(tmp_path: Path, monkeypatch: pytest.
         assert bool(errors) is lost and evidence.passed is not lost
 
 
+@pytest.mark.whole
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DESIGNS)
 def test_no_design_loses_a_requirement(name: str, monkeypatch: pytest.MonkeyPatch) -> None:

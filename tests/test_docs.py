@@ -39,6 +39,7 @@ def synth(folder: Path, *words: str) -> str:
 COMMAND = ("-c", "from synth.cli import main; main()")
 
 
+@pytest.mark.whole
 @pytest.mark.parametrize("page", WITH_EXAMPLES)
 def test_the_examples_of_a_page_run_and_print_what_it_shows(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -83,6 +84,7 @@ def test_the_names_of_python_control_are_there() -> None:
     assert names and [name for name in sorted(names - {"flatsys"}) if not hasattr(control, name)] == []
 
 
+@pytest.mark.whole
 def test_the_tutorial_leads_to_a_verified_bearing(tmp_path: Path) -> None:
     """Its files replace those of a new stage; that it shows all of them is what lets a reader follow it."""
     folder, written = new.create(tmp_path, "bearing")
@@ -94,6 +96,7 @@ def test_the_tutorial_leads_to_a_verified_bearing(tmp_path: Path) -> None:
     synth(folder, "-m", "pytest", "-q", "-p", "no:cacheprovider")
 
 
+@pytest.mark.whole
 @pytest.mark.parametrize(
     ("page", "name"),
     [
@@ -109,6 +112,7 @@ def test_a_change_of_a_new_stage_builds_with_every_check_passed(page: str, name:
     synth(folder, *COMMAND, "build")
 
 
+@pytest.mark.whole
 def test_the_limits_of_faults_on_the_page_hold_on_a_new_stage(tmp_path: Path) -> None:
     folder, _ = new.create(tmp_path, "my_stage")
     pages.apply(read("howto/judge-faults-on-the-machine.md"), folder)
@@ -121,6 +125,7 @@ def test_the_limits_of_faults_on_the_page_hold_on_a_new_stage(tmp_path: Path) ->
     assert "measured on 2 plants with each sensor lost in turn" in " ".join(header.replace("\n * ", " ").split())
 
 
+@pytest.mark.whole
 def test_the_commands_of_a_study_on_the_page_run_on_a_new_stage(tmp_path: Path) -> None:
     folder, _ = new.create(tmp_path, "my_stage")
     page = read("howto/study-tolerances.md")

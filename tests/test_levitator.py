@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 NAME = "levitator_2dof"
 MOST = 90  # lines of design and experiments
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.whole]
 
 
 @pytest.fixture(scope="module")

@@ -141,6 +141,7 @@ def scheduler(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes
         process.wait()
 
 
+@pytest.mark.whole
 def test_a_cluster_that_loses_a_worker_gives_the_same_rows(
     design: Design, scheduler: tuple[str, list[subprocess.Popen[bytes]]]
 ) -> None:

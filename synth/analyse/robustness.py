@@ -66,7 +66,7 @@ class OpenLoop:
     @property
     def label(self) -> str:
         """The signal, the operating point and the changed parameters, as text."""
-        return f"at {self.signal}, {self.point}{case_text(self.case)}"
+        return f"at {self.signal}, {self.point}{_case_text(self.case)}"
 
     def margin(self, name: str) -> float:
         """Return one of REQUIREMENTS; an unstable loop has no margin left."""
@@ -85,7 +85,7 @@ class Unsolved:
     @property
     def label(self) -> str:
         """The operating point and the changed parameters, as text."""
-        return f"at {self.point}{case_text(self.case)}"
+        return f"at {self.point}{_case_text(self.case)}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,7 @@ class Survey:
         return [*(f"{u.label}: {u.reason}" for u in self.unsolved), *unstable]
 
 
-def case_text(case: Case) -> str:
+def _case_text(case: Case) -> str:
     """Return the changed parameters as text."""
     return "".join(f", {name} = {value:.5g}" for name, value in case.items())
 
@@ -190,7 +190,7 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
     try:
         trimmed = operating_points.trim_with_free_states(plant, dict(loops.points[point]), list(loops.actuators))
     except ModelError as error:
-        raise ModelError(f"operating point '{point}'{case_text(case)}: {error}") from error
+        raise ModelError(f"operating point '{point}'{_case_text(case)}: {error}") from error
     outputs = np.asarray(plant.h(trimmed.x, trimmed.u, trimmed.p)).ravel().tolist()
     values = dict(zip(trimmed.states, trimmed.x.tolist(), strict=True))
     values |= zip(signal_names(plant.outputs), outputs, strict=True)
@@ -232,7 +232,7 @@ def survey(loops: Loops, at_once: Groups = MappingProxyType({})) -> Survey:
             here = [_open(point, case, signal, at_rest) for signal in loops.signals]
             opened += here
             if at_once and all(loop.margins.stable for loop in here):
-                disks[f"{point}{case_text(case)}"] = _disks(at_rest, at_once)
+                disks[f"{point}{_case_text(case)}"] = _disks(at_rest, at_once)
     return Survey(opened, unsolved, disks)
 
 

@@ -197,9 +197,9 @@ def _checks(
 
     A stage without limits has the worst values, without a limit.
     """
-    checks = [_check(limit, table, healthy, units) for limit in limits or UNLIMITED]
     if not limits:
-        return checks
+        return [_check(limit, table, healthy, units) for limit in UNLIMITED[: 3 if table else 2]]
+    checks = [_check(limit, table, healthy, units) for limit in limits]
     harmless = sum(not without.harms for without, _ in pairs)
     checks.append(Check(CONTROL, float(harmless), len(pairs) - 1.0, "1", "the negative control"))
     without_latch = rows([without for without, _ in pairs])

@@ -12,6 +12,7 @@ def grown() -> axes.Growth:
     return axes.measure_growth(64)
 
 
+@pytest.mark.whole
 def test_sixty_four_axes_compute_what_casadi_does(grown: axes.Growth) -> None:
     # A few roundings in double, of sums of terms up to 1000 times the result.
     assert grown.axes == 64 and grown.worst <= 1e-12

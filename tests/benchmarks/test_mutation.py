@@ -9,6 +9,8 @@ import pytest
 
 from benchmarks import mutation
 
+pytestmark = pytest.mark.whole
+
 MODULE = Path("gear/ratio.py")
 TEXT = """from typing import TYPE_CHECKING
 

@@ -11,6 +11,8 @@ from synth.verify import baselines, lines, meter, steps
 from synth.verify.steps import Steps
 from tests import tools
 
+pytestmark = pytest.mark.whole
+
 EMITTED = axes.emit(2, np.float32)
 BUILDS = {b.compiler: b for b in reversed(meter.BUILDS)}  # without contraction
 LOOP = "for (volatile int i = 0; i < 20; i++) { }"

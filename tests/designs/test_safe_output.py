@@ -13,6 +13,8 @@ from synth import fault_jobs, jobs, progress, workspace
 from synth.campaign import SafeOutput, read_safe_output
 from synth.commands import SAFE_OUTPUT
 
+pytestmark = pytest.mark.whole
+
 ROOT = Path(__file__).parents[2]
 CLOSED = ("maglev_5dof", "maglev_5dof_precise", "planar_6dof_leadlag", "planar_6dof_lqg")
 DIGITS = 0.03  # relative: three digits, and 1 % of a closed loop

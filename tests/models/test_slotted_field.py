@@ -16,6 +16,8 @@ from scipy.sparse.linalg import splu
 from models import slotted_field as sf
 from models import slotted_grid
 
+pytestmark = pytest.mark.whole
+
 MOTOR = sf.Geometry()
 SMOOTH = replace(MOTOR, b0=1e-4 * MOTOR.t1, slot_depth=2e-4 * MOTOR.t1)
 GAPS = (20e-3, 25e-3, 30e-3)

@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth import standard_tasks
+from synth import standard_tasks, tasks
 from synth.block import Block, clip
 from synth.declaration import Stage
+from synth.progress import silent
 from synth.simulate import headroom
+from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.verify import suite
 from tests import levitator
@@ -33,15 +35,19 @@ def planted() -> Stage:
     return replace(PID.DESIGN.stage, controller=PID.variant(laws))
 
 
+def simulated(stage: Stage) -> list[Experiment]:
+    return [standard_tasks.with_headroom(stage, run) for run in standard_tasks.simulate(stage, silent)]
+
+
 def test_a_sound_stage_is_inside_all_bounds() -> None:
-    for run in PID.DESIGN.simulate["experiments"](lambda _: None):
+    for run in tasks.simulations(PID.DESIGN)["experiments"].compute(silent):
         check = next(c for c in run.checks if c.name == headroom.NAME)
         assert check.passed and 0.05 < check.value < 0.5
         assert any(name.startswith(headroom.NAME) for name in run.figures)
 
 
 def test_a_bound_that_is_too_low_is_found(planted: Stage) -> None:
-    runs = {run.name: run for run in standard_tasks.simulate(planted, lambda _: None)}
+    runs = {run.name: run for run in simulated(planted)}
     check = next(c for c in runs["step_z"].checks if c.name == headroom.NAME)
     assert not check.passed and check.value == pytest.approx(1) and check.about.startswith("pid_z_v")
     assert not runs["step_z"].trajectory.faults.any()
@@ -57,7 +63,7 @@ def test_comparison_of_witnesses_does_not_detect_it(planted: Stage) -> None:
 
 
 def test_states_limited_on_purpose_may_reach_their_bound(planted: Stage) -> None:
-    runs = standard_tasks.simulate(replace(planted, limited=["pid_z_v"]), lambda _: None)
+    runs = simulated(replace(planted, limited=["pid_z_v"]))
     assert all(c.passed for run in runs for c in run.checks if c.name == headroom.NAME)
 
 

@@ -140,7 +140,10 @@ def test_a_machine_without_a_result_fails_and_is_reported(rig: Rig) -> None:
     heavy = table.z["M"] > 0
     assert 0 < heavy.sum() < 10 and not table.passed[heavy].any() and table.passed[~heavy].all()
     assert {row for row, _, _ in table.errors} == set(np.flatnonzero(heavy))
-    assert study.notes(table)[1] == f"No result of fall on {heavy.sum()} machines: planted"
+    assert (
+        study.notes(table)[1]
+        == f"No result of fall on {heavy.sum()} machines: planted; at tests/simulate/test_study.py:39"
+    )
     assert study_table.csv_text(table).count("nan") == 2 * heavy.sum()
 
 

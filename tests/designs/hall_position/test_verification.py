@@ -63,6 +63,7 @@ def off_by(block: Block, factor: float) -> Block:
     return replace(block, constants=(replace(first, value=factor * first.value), *block.constants[1:]))
 
 
+@pytest.mark.whole
 def test_the_sound_estimator_passes() -> None:
     of = subject()
     parts = list(verification.compare_witnesses(of, sound(), SIZES, lambda _: None))

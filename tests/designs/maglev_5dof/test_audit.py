@@ -18,6 +18,8 @@ from synth.report import audit
 from synth.report.audit import Published, Row
 from synth.report.formulas import Formula
 
+pytestmark = pytest.mark.whole
+
 PLANT = maglev_stage.plant()
 PRINTS = paper.published_rows()
 NAMES = tuple(p.name for p in PLANT.parameters)

@@ -19,6 +19,8 @@ from synth.simulate import machines
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 
+pytestmark = pytest.mark.whole
+
 
 @pytest.fixture(scope="module")
 def all_runs() -> dict[str, Experiment]:

@@ -23,7 +23,7 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.simulate.sensors import Override
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.whole]
 
 PLANTS, ONSET = 4, 1000
 FOLDER = Path(__file__).parents[3] / "generated_c" / DESIGN.name

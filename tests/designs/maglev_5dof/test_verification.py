@@ -19,6 +19,7 @@ from synth.verify.evidence import Evidence
 from tests.designs.maglev_5dof import full_plant
 
 
+@pytest.mark.whole
 def test_every_check_passes(evidence: Evidence) -> None:
     assert [c for c in evidence.checks if not c.passed] == []
     by = {(a.what, a.first): a for a in evidence.agreements}

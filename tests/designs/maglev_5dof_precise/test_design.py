@@ -33,6 +33,7 @@ def runs() -> dict[str, Experiment]:
     return {e.name: e for e in tasks.experiments(DESIGN, lambda _: None)}
 
 
+@pytest.mark.whole
 def test_every_experiment_keeps_its_limits(runs: dict[str, Experiment]) -> None:
     failed = [(name, c.name, c.value, c.limit) for name, run in runs.items() for c in run.checks if not c.passed]
     assert failed == []
@@ -64,6 +65,7 @@ def disk_margins() -> dict[str, list[dict[str, DiskMargin]]]:
     return {design.name: at_points(design) for design in (DESIGN, PAPER)}
 
 
+@pytest.mark.whole
 @pytest.mark.parametrize("channels", ["actuators", "sensors", "both"])
 def test_the_worst_disk_margin_is_not_below_that_of_the_papers_design(
     disk_margins: dict[str, list[dict[str, DiskMargin]]], channels: str

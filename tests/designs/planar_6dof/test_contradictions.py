@@ -37,6 +37,8 @@ from tests.designs.planar_6dof.measured import (
     start,
 )
 
+pytestmark = pytest.mark.whole
+
 BOUNDS = {
     name: (hall_contradictions.EXCESS_BOUND * A if name.startswith("m_") else hall_contradictions.RESIDUAL_BOUND) * A
     for name in RESIDUALS

@@ -25,6 +25,8 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
 
+pytestmark = pytest.mark.whole
+
 PLANT = planar_stage.plant()
 ACTUATORS = [s.name for s in interface.OUTPUTS]
 VALUES = {p.name: ca.SX(p.value) for p in PLANT.parameters}

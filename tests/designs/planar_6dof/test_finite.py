@@ -14,6 +14,8 @@ from models import finite_stage, planar_stage
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 
+pytestmark = pytest.mark.whole
+
 PLANT = planar_stage.plant()
 Runs = dict[str, dict[str, Experiment]]
 NAMES = {"step_x_finite", "step_y_finite", "step_phi_finite", "standstill_finite"}

@@ -30,6 +30,8 @@ from tests.designs.planar_6dof.faulty_runs import (
     run,
 )
 
+pytestmark = pytest.mark.whole
+
 WRONG_PLANTS = (8, 1, 2, 3, 6)  # of the campaign, those with the largest torques that are not modelled
 AMPLITUDE, BRAKING, LATCH = 1 << hall_sections.AMPLITUDE_BIT, 1 << 30, 1 << 31
 

@@ -14,6 +14,8 @@ from models.hall_stage import PUBLISHED, Stage, grid
 from synth.report import audit
 from synth.report.audit import Printed, Row
 
+pytestmark = pytest.mark.whole
+
 STAGE = Stage()
 PRINTED = paper.published_rows()
 IDEAL = Stage(weak=1.43 / sqrt(2))

@@ -39,6 +39,7 @@ def with_reference(setup: Setup) -> Witnesses:
     return replace(sound(), by_name={**sound().by_name, "reference": other})
 
 
+@pytest.mark.whole
 @pytest.mark.parametrize("name", config.PLACES)
 def test_all_witnesses_agree(name: str) -> None:
     agreements, checks = verification.compare(sound(name), 6, lambda _: None)

@@ -27,6 +27,8 @@ from tests.designs.planar_6dof.paper.recomputed import (
     wrong_dependences,
 )
 
+pytestmark = pytest.mark.whole
+
 ROWS = recomputed.ids(optimal=False)
 PARAMETERS = tuple(p.name for p in PLANT.parameters)
 NUMBERS = recomputed.numbers([*ROWS, "Y-34", "Y-35"])
