@@ -11,8 +11,10 @@ bound of its rounding error.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synth import resolvent
 from synth.analyse import bounded_real, climb, modal, modal_peak, schur_response
@@ -154,7 +156,8 @@ def _lower_bound(model: Matrices, w: float, continuous: bool) -> float:
     n, (p, m) = len(A), D.shape
     v = complex(0, w) if continuous else (1 + 1j * w) / (1 - 1j * w) if np.isfinite(w) else -1.0
     rounding = 8 * (n + 4) * EPS  # of complex sums of n products, and of v
-    X, error = np.zeros((n, m), dtype=np.complex128), np.zeros((n, m))
+    X: NDArray[Any] = np.zeros((n, m), dtype=np.complex128)
+    error = np.zeros((n, m))
     if n and np.isfinite(v):
         shifted = v * np.eye(n) - A
         R = np.linalg.inv(shifted)

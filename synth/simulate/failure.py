@@ -137,7 +137,7 @@ def fail(
     value = _sound_reading(rig, sensor, k, courses, start) if shown is None else shown
     bad = Override(np.arange(len(time)) >= k, np.full(len(time), value))
     run = rig.run(duration_s, start, courses, overrides={sensor: bad})
-    deviation = np.max([np.abs(run[rig.positions[name]] - course) for name, course in courses.items()], axis=0)
+    deviation = np.abs(np.array([run[rig.positions[name]] - course for name, course in courses.items()])).max(axis=0)
     interface = rig.stage.interface
     f = Failure(sensor, k, run, deviation, bits(rig), interface.suspected, interface.braking)
     if contradicts is None:

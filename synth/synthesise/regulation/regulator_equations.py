@@ -132,7 +132,7 @@ def _blocked_outputs(model: StateSpace, point: complex) -> dict[str, complex] | 
     U, sigma, _ = np.linalg.svd(R)
     if len(sigma) == len(R) and sigma[-1] > staircase.COUPLING * sigma[0]:
         return None
-    return structure.direction((rows * U[:, -1].conj())[n:], model.outputs)
+    return structure.direction(np.asarray((rows * U[:, -1].conj())[n:], dtype=np.complex128), model.outputs)
 
 
 def _check_matrices(model: StateSpace, S: ArrayLike, E: ArrayLike, F: ArrayLike) -> tuple[Array, Array, Array]:
