@@ -12,12 +12,11 @@ are those of the rounded K, computed in ball arithmetic: they differ from the de
 
 import warnings
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import flint
 import numpy as np
 import scipy.signal
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
 from synth import arguments, show
@@ -245,7 +244,7 @@ def _place_by_deflation(A: Array, B: Array, poles: list[complex]) -> Array:
     return K @ first.T + _place_by_deflation(free.T @ A @ free, free.T @ B, remaining) @ free.T
 
 
-def _eigenvectors(A: Array, B: Array, s: complex, limit: int) -> tuple[NDArray[Any], NDArray[Any]]:
+def _eigenvectors(A: Array, B: Array, s: complex, limit: int) -> tuple[np.ndarray, np.ndarray]:
     """Return V (n, k) and U (m, k) with A V + B U = s V, k <= `limit`: those with moderate |u| / |v|."""
     null = _null_space(A, B, s)
     _, sigma, V = np.linalg.svd(null[: len(A)])
