@@ -75,11 +75,10 @@ constraints:
 machines:
 	bash .ci/machines
 
-# The build backend is installed first and build isolation is off, so that it too is the pinned one. Wheels alone: a pin
-# without one for this Python is refused, not compiled.
+# An environment that works keeps its Python, whatever PYTHON is. The build backend is installed first and build isolation is
+# off, so that it too is the pinned one. Wheels alone: a pin without one for this Python is refused, not compiled.
 $(VENV)/.build $(VENV)/.dev $(VENV)/.docs: $(VENV)/.%: pyproject.toml constraints.txt
-	@$(PYTHON) .ci/served.py
-	$(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip --version >/dev/null 2>&1 || { $(PYTHON) .ci/served.py && $(PYTHON) -m venv --clear $(VENV); }
 	$(BIN)/python -m pip install --quiet -c constraints.txt --only-binary :all: setuptools
 	$(BIN)/python -m pip install --quiet -c constraints.txt --only-binary :all: --no-build-isolation -e '.$(if $(filter-out build,$*),[$*])'
 	touch $@
