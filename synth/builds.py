@@ -19,7 +19,6 @@ from synth import __version__, cache, contents, fault_jobs, sources, store, task
 from synth.check import Check, Incomplete
 from synth.emit import write
 from synth.errors import ContentError
-from synth.execute import cross
 from synth.jobs import Job
 from synth.progress import Progress, silent
 from synth.report import first_screen
@@ -28,7 +27,6 @@ from synth.tasks import Task, attempt
 from synth.verify.evidence import Evidence
 from synth.workspace import Design
 
-LIBRARY = "cross compiler"
 # Folders of a workspace that no build reads: what it writes, and tests and documents.
 NOT_READ = frozenset({"generated_c", "reports", "build", "dist", "tests", "docs"})
 
@@ -179,8 +177,7 @@ def build_jobs(designs: Sequence[Design], root: Path, keys: Mapping[str, str]) -
     The C is written to `root`/generated_c as soon as it is emitted. A complete build is stored under the key of the
     design in `keys`, from `source_key`.
     """
-    library = Job(LIBRARY, LIBRARY, lambda say: cross.prepare("cortex-m4f"))
-    return [library, *(job for design in designs for job in _build_jobs(design, root, keys[design.name]))]
+    return [job for design in designs for job in _build_jobs(design, root, keys[design.name])]
 
 
 def _build_jobs(design: Design, root: Path, key: str) -> list[Job]:
@@ -205,10 +202,13 @@ def _build_jobs(design: Design, root: Path, key: str) -> list[Job]:
         ("study", tasks.brief_study(design), (first, *(f"{name} {what}" for what in parts))),
         ("verify", tasks.verification(design, False), (first,)),
         ("margins", tasks.loops(design), (first,)),
-        ("cost", tasks.brief_cost(design), (first, LIBRARY)),
+        ("cost", tasks.brief_cost(design), (first,)),
         ("audit", tasks.audit(design), (first,)),
         *((f"report {part}", task, (first, f"{name} verify")) for part, task in tasks.report_parts(design).items()),
     )
+    for _, task, _ in each:
+        with suppress(ContentError):
+            task.key()  # in this process: what the keys of all are made of is read once, and the others begin with it
     jobs = [Job(f"{name} {what}", name, task.result, after) for what, task, after in each]
     if fault_jobs.closes_loop(design):
         jobs += fault_jobs.jobs(design, fault_jobs.basic(design), (first,))

@@ -51,7 +51,8 @@ def compiled_controller(stage: Stage, scalar: type[np.floating]) -> host.Control
 @lru_cache(maxsize=8)
 def _compile(stage: Stage, scalar: str) -> host.Controller:
     scalar_type = np.float32 if scalar == "float32" else np.float64
-    return build.compile_block(stage.controller.block, scalar_type, error=stage.surrogate_error.get(scalar_type))
+    block = _with_measured_safe_output(stage)  # as it is emitted: the passes over it have run
+    return build.compile_block(block, scalar_type, error=stage.surrogate_error.get(scalar_type))
 
 
 def rig(stage: Stage, scalar: type[np.floating]) -> Rig:

@@ -217,9 +217,9 @@ def companion_costs(design: Design) -> Task[list[Cost]]:
         codes = [emitted[c.block.name] for c in companions]
         recorded = [vectors.inputs(code.files["vectors.json"]) for code in codes]
         said = progress.each(companions, say, lambda c: f"cost of {c.block.name}")
-        return [meter.brief(code, c.block, u, c.sequences) for code, c, u in zip(codes, said, recorded, strict=True)]
+        return [meter.of_companion(code, c, u) for code, c, u in zip(codes, said, recorded, strict=True)]
 
-    used = (meter.brief, design.emit, *(c.sequences for c in companions))
+    used = (meter.of_companion, design.emit, *(c.sequences for c in companions))
     return Task("cost of companions", compute, used)
 
 

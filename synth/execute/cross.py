@@ -3,9 +3,10 @@
     cortex-m4f    Armv7E-M, FPv4-SP: float in hardware, double in software
     cortex-m7     Armv7E-M, FPv5-D16: float and double in hardware
 
-An image is linked from its entry points alone, without start-up code; the linker drops unreachable functions. All
-products are stored in the cache of `compile`. The first image that zig links for a core also builds musl, in the cache
-of zig. Flags that change how a library is built, such as -O0 or -s, make zig build musl again.
+An image is linked from its entry points alone, without start-up code; the linker drops unreachable functions, and no
+library is linked where what remains calls none, as most emitted steps. All products are stored in the cache of
+`compile`. The first image that zig links for a core with libm also builds musl, in the cache of zig, which takes most
+of a minute. Flags that change how a library is built, such as -O0 or -s, make zig build musl again.
 """
 
 import re
@@ -108,15 +109,10 @@ def link(
     roots = [f"-Wl,-e,{entries[0]}", *(f"-Wl,-u,{entry}" for entry in entries[1:])]
     options = [*FLAGS, *SECTIONS, *flags, "-static", "-Wl,--gc-sections", *roots]
     compiled, chosen = objects(sources, core, compiler, flags), find_compiler(core, compiler)
-    return host_compiler.link(compiled, options, "image.elf", chosen, libraries=("-lm",))
-
-
-def prepare(core: str) -> None:
-    """Build zig's C library for a core; the first time on a machine this takes most of a minute.
-
-    Raises CompileError as `link` does.
-    """
-    link({"empty.c": "void empty(void);\nvoid empty(void) {}\n"}, ["empty"], core)
+    try:
+        return host_compiler.link(compiled, [*options, "-nostdlib"], "image.elf", chosen)
+    except CompileError:
+        return host_compiler.link(compiled, options, "image.elf", chosen, libraries=("-lm",))
 
 
 def objects(

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
+from synth.companion import Companion
 from synth.emit.write import EmittedCode
 from synth.errors import SignalError
 from synth.execute import cross, elf, host, image, recorder
@@ -23,7 +24,8 @@ from synth.verify.steps import Steps
 
 CORE = "cortex-m4f"
 COMMON = 500  # closed-loop steps for every generator; CasADi's C takes 60,000 instructions for each
-BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps for a measurement of a few seconds
+BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 1000  # steps for a measurement of a few seconds
+NOT_COMPARED = "other compilers and generators, and every decision: by `synth cost`"
 FUNCTIONS = 8  # functions that are listed
 _LINES = ("-g1",)  # adds lines and inlined calls; the code is unchanged. Tables of variables take as long as the code
 
@@ -76,6 +78,47 @@ def measure(
     Raises CompileError when no cross compiler is installed or one refuses a source, and SignalError when no sequence
     comes from a closed loop, when one has no steps or when two have one name.
     """
+    others = (baselines.casadi(block, shimmed=False), baselines.casadi(block, shimmed=True))
+    return _measure(emitted, block, sequences, progress, common, others, builds())
+
+
+def brief(emitted: EmittedCode, block: Block, inputs: Columns) -> Cost:
+    """Measure in a few seconds, by the one toolchain that is on every machine, without the other generators.
+
+    The steps are some of one closed loop, and random states for the coverage of decisions.
+
+    Raises CompileError and SignalError as `measure`.
+    """
+    controller = host.load(emitted.files, emitted.manifest)
+    sequences = [brief_loop(controller, inputs), steps.random_steps(controller, DRAWN)]
+    return _measure(emitted, block, sequences, lambda _: None, BRIEF_COMMON, (), BUILDS[-1:])
+
+
+def of_companion(emitted: EmittedCode, companion: Companion, inputs: Columns) -> Cost:
+    """Measure the C of a companion as `measure` does, over recorded inputs and the sequences that it declares.
+
+    Raises CompileError and SignalError as `measure`.
+    """
+    controller = host.load(emitted.files, emitted.manifest)
+    drawn = companion.sequences or (lambda of: [steps.random_steps(of, DRAWN)])
+    sequences = [brief_loop(controller, inputs), *drawn(controller)]
+    return measure(emitted, companion.block, sequences, lambda _: None, BRIEF_COMMON)
+
+
+def brief_loop(controller: host.Controller, inputs: Columns) -> Steps:
+    """Return some of the steps of a controller over recorded inputs of a closed loop."""
+    return steps.thinned(steps.record(controller, "closed loop", inputs, closed_loop=True), BRIEF_STEPS)
+
+
+def _measure(
+    emitted: EmittedCode,
+    block: Block,
+    sequences: Sequence[Steps],
+    progress: Callable[[str], None],
+    common: int,
+    others: Sequence[Candidate],
+    toolchains: Sequence[Build],
+) -> Cost:
     controller = host.load(emitted.files, emitted.manifest)
     loops = steps.concatenate("closed loops", [s for s in sequences if s.closed_loop])
     shared = replace(steps.thinned(steps.without_faults(controller, loops), common), name="closed loops without faults")
@@ -92,10 +135,9 @@ def measure(
             "table each: rename or concatenate them"
         )
     emitted_c = baselines.emitted_c(emitted)
-    candidates = (emitted_c, baselines.casadi(block, shimmed=False), baselines.casadi(block, shimmed=True))
     compared, measured, coverages = [], [], []
-    for build in builds():
-        for candidate in candidates:
+    for build in toolchains:
+        for candidate in (emitted_c, *others):
             progress(f"{candidate.name} by {build.name}: {len(shared)} steps")
             compared.append(step_cost(candidate, shared, build, controller))
         progress(f"{emitted_c.name} by {build.name}: {sum(map(len, sequences))} steps")
@@ -110,7 +152,7 @@ def measure(
         tuple(measured),
         tuple(coverages),
         operations.of_program(emitted.program) if emitted.program else operations.of_block(block, np.float32),
-        baselines.unmeasured_generators(),
+        baselines.unmeasured_generators() if others else (NOT_COMPARED,),
     )
 
 
@@ -123,26 +165,9 @@ def with_law_alone(cost: Cost, law: EmittedCode, inputs: Columns) -> Cost:
     inputs = {name: column for name, column in inputs.items() if name in (controller.inputs.names or ())}
     recorded = steps.without_faults(controller, steps.record(controller, "law alone", inputs))
     shared = steps.thinned(recorded, cost.compared[0].steps)
-    alone = [step_cost(candidate, shared, build, controller) for build in builds()]
+    toolchains = [b for b in BUILDS if b.name in {c.build for c in cost.compared}]
+    alone = [step_cost(candidate, shared, build, controller) for build in toolchains]
     return replace(cost, compared=(*cost.compared, *alone))
-
-
-def brief(
-    emitted: EmittedCode,
-    block: Block,
-    inputs: Columns,
-    sequences: Callable[[host.Controller], Sequence[Steps]] | None = None,
-) -> Cost:
-    """Measure in a few seconds: some steps of one closed loop, and for decision coverage random states.
-
-    With `sequences`, these instead of random states.
-
-    Raises CompileError and SignalError as `measure`.
-    """
-    controller = host.load(emitted.files, emitted.manifest)
-    loop = steps.thinned(steps.record(controller, "closed loop", inputs, closed_loop=True), BRIEF_STEPS)
-    others = sequences(controller) if sequences else [steps.random_steps(controller, DRAWN)]
-    return measure(emitted, block, [loop, *others], lambda _: None, BRIEF_COMMON)
 
 
 class Instructions(NamedTuple):

@@ -133,6 +133,16 @@ def test_unknown_cores_and_absent_compilers_are_named(monkeypatch: pytest.Monkey
         cross.find_compiler("cortex-m4f", "gcc")
 
 
+def test_a_c_library_is_built_where_a_function_calls_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It takes most of a minute: an image that calls none of it gets none, though its objects name memset."""
+    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path))
+    monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", str(tmp_path / "zig"))
+    unreached = "#include <string.h>\nvoid g(char *x, unsigned n);\nvoid g(char *x, unsigned n) { memset(x, 0, n); }\n"
+    alone = elf.read(cross.link({"f.c": SUM % "x + y", "g.c": unreached}, ["f"], "cortex-m4f"))
+    assert alone.size().code < 16
+    assert not list((tmp_path / "zig").rglob("libc.a"))
+
+
 def test_installed_compilers() -> None:
     assert cross.available() == (("zig", "gcc") if shutil.which("arm-none-eabi-gcc") else ("zig",))
 

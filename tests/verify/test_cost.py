@@ -126,6 +126,13 @@ def test_the_document_is_strict_json_with_units_and_notes(design_cost: Cost) -> 
     assert [line.split(":")[0] for line in design_cost.absent] == list(baselines.UNSUPPORTED)
 
 
+def test_a_brief_cost_is_that_of_one_toolchain_on_every_machine() -> None:
+    moved = {"q1": 0.01 * np.sin(np.arange(40) * 0.03), "r1": 0.0, "q2": 0.0, "r2": 0.001}
+    brief = meter.brief(EMITTED, MADE, moved)
+    assert [(c.generator, c.build, c.difference) for c in brief.compared] == [("synth", "zig, musl", 0.0)]
+    assert list(brief.most) == ["zig, musl"] and brief.absent == (meter.NOT_COMPARED,)
+
+
 @pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_an_uncovered_branch_is_reported_with_its_line(
     compiler: str, controller: host.Controller, sequences: list[Steps]
