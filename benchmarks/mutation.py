@@ -4,6 +4,7 @@
 
 A mutant is killed where a test fails, or takes several times the processor time of the unchanged module. Its tests are
 tests/<path>/test_<name>.py, and of the other files of that folder that import the module the tests that are not `slow`.
+None is marked `whole`: the run judges what `make test` notices.
 Seed and text of a module determine its mutants. --compare exits with 1 where a module kills fewer than in a --json
 file of an earlier run. Run it in the root of a repository.
 
@@ -150,14 +151,19 @@ def _imports(path: Path) -> set[str]:
 
 
 class Quick:
-    """A plugin of pytest that leaves out the slow tests, but of a module's own file."""
+    """A plugin of pytest that leaves out the tests of whole campaigns, and slow ones but of a module's own file."""
 
     def __init__(self, whole: str) -> None:
         self.whole = whole
 
     def pytest_collection_modifyitems(self, items: list[Any]) -> None:
-        """Keep the tests of the module's own file and those that are not slow."""
-        items[:] = [item for item in items if item.path.name == self.whole or not item.get_closest_marker("slow")]
+        """Keep the tests of the module's own file and those that are not slow, none of them `whole`."""
+        items[:] = [
+            item
+            for item in items
+            if not item.get_closest_marker("whole")
+            and (item.path.name == self.whole or not item.get_closest_marker("slow"))
+        ]
 
 
 def run_tests(

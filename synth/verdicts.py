@@ -118,7 +118,7 @@ def study(stage: Stage, table: StudyTable | None) -> list[Check]:
         return [Check(YIELD, nan, least, "1", "no study was run: no experiment runs on other machines", at_least=True)]
     failed = [f"{experiment} on machine {row}: {reason}" for row, experiment, reason in _first_of_each(table)]
     share, n, error = estimate_yield(table), len(table.rows), table.integration.error
-    steps = f"{table.integration.substeps} steps of order {table.integration.order} a sample, in the first experiment"
+    steps = f"order {table.integration.order}, steps a sample: {table.integration.substeps}; in the first experiment"
     about = f"{int(table.passed.sum())} of {n} machines keep every limit; {share.low:.2%} to {share.high:.2%}"
     return [
         Check(INTEGRATION, error, LARGEST_ERROR if isfinite(error) else NO_LIMIT, "of a state's range", steps),
