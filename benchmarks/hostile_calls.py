@@ -15,14 +15,12 @@ from benchmarks.hostile_examples import (
     RATE,
     TIME,
     Call,
-    K,
     T,
     U,
     Y,
     example_lead_lag,
     example_linear,
     example_linear_signals,
-    example_loop,
     example_predictive_servo,
     example_regulator,
     example_resting_loop,
@@ -32,13 +30,12 @@ from benchmarks.hostile_examples import (
     model,
     usual,
 )
-from synth.analyse import equilibrium, lie, relative_degree, worst_case_search
-from synth.analyse.observability import placement
+from synth.analyse import equilibrium, lie, relative_degree
 from synth.blocks import advance, lookup_table, safety
 from synth.signals import Parameter
 from synth.synthesise.feedback import lqr
 from synth.synthesise.identify import calibration, logs
-from synth.synthesise.observers import kalman, lqg, noise, square_root_kalman
+from synth.synthesise.observers import noise, square_root_kalman
 from synth.synthesise.regulation.minimal_polynomial import Mode
 from synth.timing import Continuous
 
@@ -62,20 +59,14 @@ def examples() -> Mapping[str, Call]:
     }
     plant_log = logs.Log({"gap": 0.02 + 0 * common["rows"], "rate": 0 * common["rows"], "current": np.full(12, 4.0)}, T)
     safe = safety.Safety(3, {"y": 0.0}, {"y": 10.0}, "at rest nothing moves")
-    discrete = {"system": held, "time": TIME}
     white = {"system": held, "W": 1e-4 * np.eye(2)}
     kalman_pair = {"gain": common["gain"], "estimator": common["estimator"]}
-    shaping = model([[-5.0]], [[1.0]], [[5.0]], [[0.0]], ("s1",), ("w",), ("f",), Continuous())
-    coloured = model([[-5.0]], [[1.0]], [[5.0]], [[0.0]], ("s1",), ("w",), ("x",), Continuous())
-    weigh = model([[-5.0]], [[1.0]], [[5.0]], [[0.0]], ("s1",), ("x",), ("z1",), Continuous())
     seen = model(held.A, held.B, np.eye(2), np.zeros((2, 1)), held.states, held.inputs, held.states, TIME)
     sum_of = model([[1.0]], [[1.0]], [[1.0]], [[0.0]], ("sum",), ("x",), ("sum",), TIME)
     cut = model(
         [[0.5]], [[1.0, 0.0]], [[0.0], [1.0]], [[0.0, 1.0], [2.0, 0.0]], ("k",), ("x", "s"), ("c", "s_out"), TIME
     )
     slopes = {"deviations": lambda q: 1 / (2 + np.cos(q)), "changes": lambda q, half: half + 0 * q}
-    placing = {"fine": np.ptp, "within": placement.Square(1.0, 10), "budget": placement.SearchBudget(1, 2, 1)}
-    unmoved = model([[1.0]], [[0.0]], [[1.0]], [[0.0]], ("x1",), ("u1",), ("y1",), TIME)
     first = square_root_kalman.initial(held, np.eye(2))
     servo = common["servo"]
     resting_loop = example_resting_loop()
@@ -98,10 +89,6 @@ def examples() -> Mapping[str, Call]:
             "most": 10000,
         },
         "worst_deviation.bound_cells": {**slopes, "q": [[1.0]], "half": [[0.1]]},
-        "placement.Square": {"half_width": 1.0, "grid": 10},
-        "placement.SearchBudget": {},
-        "placement.search": {**placing, "coarse": np.ptp, "coordinates": 1},
-        "placement.improve": {**placing, "start": [0.5]},
         "discretise.gramian": {"F": stage.A, "W": np.eye(2)},
         "discretise.delay_samples": {"system": held, "samples": 2},
         "interconnect.connect": {"models": [stage], "inputs": ["f"], "outputs": ["x"], "wires": {"f": {"f": 1.0}}},
@@ -137,11 +124,6 @@ def examples() -> Mapping[str, Call]:
             "labels": ["a", "b"],
         },
         "singularity.worst": {"matrix": example_scaled_matrix(matrix, ca.vertcat(x, g))},
-        "singularity.condition_map": {
-            "matrix": example_scaled_matrix(matrix, ca.vertcat(x, g)),
-            "down": "gap",
-            "across": "rate",
-        },
         "structure.uncontrollable_modes": {"time": Continuous()},
         "structure.require_stabilisable": {"time": Continuous()},
         "structure.require_detectable": {"time": Continuous(), "what": "Q"},
@@ -156,33 +138,19 @@ def examples() -> Mapping[str, Call]:
         "refinement.log_magnitude": {"value": np.array([1 + 1j])},
         "operating_points.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
         "operating_points.trim_with_free_states": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
-        "worst_case_search.Criterion": {"name": "f", "unit": "1", "of": lambda loop: 1.0, "largest": False},
-        "worst_case_search.search": {"loop": example_loop, "parameters": [K], "figure": worst_case_search.PHASE_MARGIN},
         "zero_dynamics.at_point": {"plant": maglev, "degree": relative_degree.of_plant(maglev)},
         "zero_dynamics.of_linear": {"degrees": [2]},
-        "anti_windup.of_gain": {"controller": ([[-1.0]], [[1.0]], [[1.0]]), "E": [[-0.5]]},
-        "anti_windup.conditioning": {"controller": ([[-1.0]], [[1.0]], [[1.0]], [[1.0]]), "references": ["u1"]},
         "square_root_kalman.initial": {"system": held},
         "square_root_kalman.predict": {"estimate": first, "system": held},
         "square_root_kalman.update": {"estimate": first, "system": held, "y": [0.1]},
-        "bumpless.start": {"state": [0.1, 0.0], "present": [0.2]},
-        "coloured.process": {"shaping": shaping},
-        "coloured.measurement": {"shaping": coloured},
-        "crossover.design": {"crossover": 10.0, "phase_margin": 40.0},
-        "deadbeat.feedback": {"system": held},
-        "deadbeat.largest_uncontrollable_mode": {"model": unmoved},
         "advance.Position": {"signal": GAP, "speed": 1.0},
         "advance.acting": {"position": GAP, "samples": 1.5},
         "advance.lost": {"position": GAP},
         "advance.block": {"positions": [advance.Position(GAP, 1.0)], "samples": 1.5, "bad_samples": 5},
         "derivative_filter.block": {"signal": GAP, "rate": RATE, "bandwidth": 30.0},
-        "dynamic_extension.add_integrators": {"plant": maglev, "inputs": ["current"]},
-        "dynamic_extension.extend": single,
         "estimator_start.from_measurement": {"plant": held, "estimator": common["estimator"].predictor()},
         "feedback_linearisation.of_plant": {**single, "point": common["point"]},
         "feedback_linearisation.linearise": {"acceleration": [x + u], "inputs": {"u": u}},
-        "frequency_weights.frequency_shaped_lqr": {"filters": [weigh], "Qz": [[1.0]], "R": [[1.0]], "Qx": np.eye(2)},
-        "frequency_weights.augmented": {"filters": [weigh]},
         "gauss_newton.minimise": {
             "model": example_linear,
             "y": np.array([[1.0], [2.0], [3.1]]),
@@ -214,7 +182,6 @@ def examples() -> Mapping[str, Call]:
         "internal_model.from_matrix": {"S": [[0.0, 2.0], [-2.0, 0.0]]},
         "internal_model.exact": {"modes": [Mode(0j, 1)], "time": TIME},
         "inverse_lqr.diagonal_weights": {"poles": [-2.0, -3.0], "R": 1.0},
-        "inverse_lqr.gain_weights": {"K": common["gain"].K, "system": stage},
         "kalman.discrete": white,
         "kalman.steady": {"noisy": noise.white(held, 1e-4 * np.eye(2), [[1e-6]])},
         "lookup_table.square": {"half_width": 1.0, "spacing": 0.5},
@@ -236,28 +203,18 @@ def examples() -> Mapping[str, Call]:
         "least_squares.no_convergence_text": {"passes": 3},
         "linear_block.block": {"system": ([[0.5]], [[1.0]], [[1.0]], [[0.0]], TIME), **example_linear_signals()},
         **{f"lqg.{name}": kalman_pair for name in ("predictor", "current")},
-        "lqg.expected_cost": {"controller": lqg.current(common["gain"], common["estimator"])},
         "lqg.integrals": {"gain": common["gain"], "model": stage},
-        "lqr.dlqr": discrete,
         "lqr.cost_ratio": {"gain": lqr.lqr(stage, np.eye(2), np.eye(1))},
-        "weights.output_weights": {"Qy": [[1.0]]},
         "noise.stationary": {"A": stage.A, "W": np.eye(2), "time": Continuous()},
         "noise.white": white,
         "optimal_servo.lqr": {"Q": np.eye(3)},
         "optimal_servo.lqrd": {"Q": np.eye(3)},
-        "prescribed_decay.design": {"decay_per_s": {0.0: 5.0, 6.0: 4.0}, "system": held},
-        "recovery.at_input": {"gain": lqr.lqr(stage, np.eye(2), np.eye(1))},
-        "recovery.at_output": {"estimator": kalman.continuous(stage, np.eye(2), [[1e-2]])},
         "interconnect.integrals": {"system": held, "signals": {"x_integral": "x"}},
         "reduced_compensator.augmented": {"computed": sum_of},
         "reduced_observer.from_gain": {"system": held, "L": [[1.0]]},
-        "reduced_observer.by_poles": {"system": held, "poles": [0.5]},
-        "reduced_observer.by_riccati": {"system": held},
-        "reduced_observer.deadbeat": {"system": held},
         "predictive_servo.Limits": {"error": 1e-3, "fastest": 0.1, "memory": 1.0},
         "predictive_servo.block": example_predictive_servo(),
         "regulator.block": example_regulator(),
-        "regulator_equations.solve": {"S": [[0.0]], "E": [[0.0], [1.0]], "F": [[1.0]]},
         "regulator_equations.require_solvable": {"modes": [Mode(0j, 1)]},
         "regulator_equations.require_no_zero": {"points": [0j]},
         "riccati.weight_matrices": {"N": None},
@@ -267,7 +224,6 @@ def examples() -> Mapping[str, Call]:
         "safe_output.block": {"outputs": [Y], "safety": safe},
         "safety.frozen": {"block": safety.guard(TIME, [safety.GuardedInput(GAP, 0.02, True)], 3)},
         "servo.of_gain": {"K": [[-1.0, -1.0, -1.0]]},
-        "servo.with_observer": {"L": [[1.0], [1.0]]},
         "servo.with_estimator": {"servo": servo, "estimator": common["estimator"].predictor()},
         "servo.split_plant": {"regulated": None, "controls": None},
         "steady_error.evaluate": {"errors": ["x"]},

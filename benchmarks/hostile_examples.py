@@ -100,7 +100,7 @@ def example_regulator() -> Call:
         discretise.zero_order_hold(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), T), [0.0, 6.0]
     )
     error, rate, demand = (Signal(n, u, -1.0, 1.0) for n, u in (("e", "m"), ("de", "m/s"), ("w", "m/s^2")))
-    gain = lqr.dlqr(model, np.eye(5), np.eye(1))
+    gain = lqr.lqr(model, np.eye(5), np.eye(1))
     return {"gain": gain, "error": error, "rate": rate, "demand": demand, "bounds": [1.0, 1.0, 1.0], "time": TIME}
 
 
@@ -124,7 +124,7 @@ def usual() -> Call:
     servo = optimal_servo.lqrd(stage, [0.0], np.ones(3), np.eye(1), T)
     rows = np.linspace(0.0, 1.0, 12)
     return {
-        **dict.fromkeys(("system", "plant", "model", "loop", "shaping"), stage),
+        **dict.fromkeys(("system", "plant", "model", "loop"), stage),
         **dict.fromkeys(("time",), TIME),
         "period_s": T,
         "horizon_s": 1.0,
@@ -165,7 +165,7 @@ def usual() -> Call:
         "regulator": servo,
         "point": rest,
         "block": example_step(),
-        "observer": reduced_observer.by_poles(held, ["x"], [0.5]),
+        "observer": reduced_observer.from_gain(held, ["x"], [[1.0]]),
         "computed": None,
         "frequency": 3.0,
         "w": [ca.SX.sym("w")],

@@ -89,7 +89,6 @@ def examples() -> Mapping[str, Call]:
         **_redundancy(maglev),
         "robustness.of_controller": {"controller": controller, "plant": maglev, "points": POINTS},
         "tolerances.corners": {"plant": maglev, "parameters": ["k"]},
-        "tolerances.one_at_a_time": {"plant": maglev},
         "robustness.equilibrium_at": {"loops": loops, "point": "middle"},
         "robustness.open_loops": {"loops": loops},
         "robustness.survey": {"loops": loops},

@@ -1,9 +1,7 @@
-"""Frequency responses and H-infinity norms compared with python-control and SLICOT: time and memory.
+"""Frequency responses compared with python-control and SLICOT: time and memory.
 
 A frequency response has 1,000 points on the axis (python-control: tb05ad, one at a time from the Hessenberg form). The
-models are dense with random entries, and flexible stages of n/2 lightly damped modes, with two inputs and outputs. The
-toolkit's H-infinity norm includes its proof; python-control's `norm` checks the poles and calls ab13dd, `linfnorm`
-calls ab13dd alone.
+models are dense with random entries, and flexible stages of n/2 lightly damped modes, with two inputs and outputs.
 
 Times are processor times on one thread, which depend little on other load. Each is the median of alternating runs, and
 a ratio is the median of the ratios within a turn. Memory is the peak of allocated memory.
@@ -16,16 +14,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from time import process_time
 
-import control
 import numpy as np
 
 from benchmarks import disk
-from synth.analyse import discretise, norms
 from synth.statespace import Array, StateSpace, of
 
 SIZES = (6, 20, 60, 200)
 POINTS = 1000
-STATES = 50  # of the norms
 CHANNELS = 2
 TURNS = 9
 
@@ -39,21 +34,6 @@ class Comparison:
     ms: float
     faster: float
     memory_MB: float
-
-
-@dataclass(frozen=True)
-class Norm:
-    """As `Comparison`, with `linfnorm`'s time too; the norm lies between `lower` and `upper`."""
-
-    name: str
-    norm_ms: float
-    linfnorm_ms: float
-    ms: float
-    faster: float
-    faster_than_linfnorm: float
-    lower: float
-    upper: float
-    certified: bool
 
 
 def dense(states: int, seed: int = 1) -> StateSpace:
@@ -88,20 +68,6 @@ def compare(name: str, model: StateSpace) -> Comparison:
     return Comparison(name, one, two, float(np.median(times[:, 0] / times[:, 1])), memory)
 
 
-def norm(name: str, model: StateSpace) -> Norm:
-    """Time the H-infinity norm of one model."""
-    theirs = model.to_control()
-    times = in_turns(
-        lambda: control.norm(theirs, p="inf", print_warning=False),
-        lambda: control.linfnorm(theirs),
-        lambda: norms.norm_hinf(model),
-    )
-    bounds = norms.norm_hinf(model)
-    first, second, third = np.median(times, axis=0).tolist()
-    ratios = np.median(times[:, :2] / times[:, 2:], axis=0).tolist()
-    return Norm(name, first, second, third, ratios[0], ratios[1], bounds.lower, bounds.upper, bounds.certified)
-
-
 def responses() -> Iterator[str]:
     """Yield the lines of the table of responses, each when it has been measured."""
     names = ("model           ", "python-control, ms", "here, ms", "faster", "memory, MB")
@@ -115,31 +81,12 @@ def responses() -> Iterator[str]:
             )
 
 
-def gains() -> Iterator[str]:
-    """Yield the lines of the table of norms, each when it has been measured."""
-    times = ("norm, ms", "linfnorm, ms", "here, ms", "faster than norm", "than linfnorm")
-    names = ("model           ", *times, "lower     ", "upper     ", "certified")
-    yield "  ".join(names)
-    model = dense(STATES)
-    sampled = discretise.zero_order_hold(model, 0.1)
-    for name, each in (("dense", model), ("sampled", sampled), ("flexible", disk.loop(CHANNELS, STATES))):
-        c = norm(f"{name} {STATES}", each)
-        cells = (
-            *(f"{c.norm_ms:.1f}", f"{c.linfnorm_ms:.1f}", f"{c.ms:.1f}", f"{c.faster:.2f}"),
-            *(f"{c.faster_than_linfnorm:.2f}", f"{c.lower:.7g}", f"{c.upper:.7g}", "yes" if c.certified else "no"),
-        )
-        yield "  ".join(
-            [c.name.ljust(len(names[0])), *(v.rjust(len(n)) for v, n in zip(cells, names[1:], strict=True))]
-        )
-
-
 if __name__ == "__main__":
     # A second thread gains nothing on most of these sizes, and waits for a core where other work keeps both busy.
     if os.environ.get("OPENBLAS_NUM_THREADS") != "1":
         os.execve(
             sys.executable, [sys.executable, "-m", "benchmarks.response"], {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
         )
-    for table in (responses(), gains()):
-        for line in table:
-            sys.stdout.write(f"{line}\n")
-            sys.stdout.flush()
+    for line in responses():
+        sys.stdout.write(f"{line}\n")
+        sys.stdout.flush()

@@ -7,7 +7,6 @@ a yaw is that of Y a quarter turn further, and yaws of +-45 deg show the whole m
     cost = max over poses of max(s_places, lever s_angles)    in m
 
 of (X, Y, yaw), or of all six coordinates of a level body. The lever converts angles to displacements.
-`observability.placement` searches for the layout of least cost.
 
 Deviations are proportional to the noise of the array, 1 mV by default.
 """

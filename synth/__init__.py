@@ -14,7 +14,7 @@ Controllers for the C
     compose                    wire Blocks by the names of their signals
 
 Packages
-    analyse                    operating points, linearisation, loops, margins, norms, structure
+    analyse                    operating points, linearisation, loops, margins, structure
     synthesise                 gains, observers, servo regulators, feedback linearisation, identification
 
 Errors

@@ -2,8 +2,8 @@
 
 The stub beside a package's ``__init__.py`` is the one list of its names, for users, editors and type checkers alike:
 
-    from synth.analyse.norms import norm_h2 as norm_h2          analyse.norm_h2 is that function, imported when used
-    __all__ = ["norm_h2"]                                       what type checkers take as exported
+    from synth.analyse.gramian import gramians as gramians      analyse.gramians is that function, imported when used
+    __all__ = ["gramians"]                                      what type checkers take as exported
 """
 
 import ast

@@ -65,21 +65,20 @@ def test_the_links_of_the_readme_lead_somewhere() -> None:
 
 
 def test_the_names_beside_matlabs_are_there() -> None:
-    for module, function in re.findall(r"`((?:analyse|synthesise)[a-z_.]*)\.([a-z_0-9]+)`", read("coming-from.md")):
+    pages_of_names = read("coming-from.md") + read("library.md")
+    for module, function in re.findall(r"`((?:analyse|synthesise)[a-z_.]*)\.([a-z_0-9]+)`", pages_of_names):
         assert callable(getattr(importlib.import_module(f"synth.{module}"), function)), (module, function)
 
 
 def test_every_exported_function_stands_beside_its_counterparts() -> None:
     exported = {f"{p.__name__.split('.')[1]}.{name}" for p in (analyse, synthesise) for name in p.__all__}
-    table = read("coming-from.md").split("## Names: from these to theirs")[1]
-    assert set(re.findall(r"^\| `((?:analyse|synthesise)\.\w+)` \|", table, re.MULTILINE)) == exported
+    assert set(re.findall(r"^\| `((?:analyse|synthesise)\.\w+)` \|", read("library.md"), re.MULTILINE)) == exported
 
 
 def test_the_names_of_python_control_are_there() -> None:
-    theirs, ours = read("coming-from.md").split("## Names: from these to theirs")
     names = set()
-    for table, column in ((theirs, 2), (ours, 3)):
-        rows = [row.split("|") for row in table.splitlines() if row.startswith("| ")]
+    for page, column in (("coming-from.md", 2), ("library.md", 3)):
+        rows = [row.split("|") for row in read(page).splitlines() if row.startswith("| ")]
         names |= {name for row in rows for name in re.findall(r"`(\w+)", row[column])}
     assert names and [name for name in sorted(names - {"flatsys"}) if not hasattr(control, name)] == []
 

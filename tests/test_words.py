@@ -23,7 +23,6 @@ CHANGED_COPIES = frozenset(
         "equilibrated",
         "escaped",
         "folded",
-        "matched",
         "mirrored",
         "numbered",
         "paired",
@@ -52,7 +51,6 @@ QUESTIONS = frozenset(  # they return a truth value
     [
         "is_answered",
         "is_guarded",
-        "certified",
         "is_checked",
         "is_flagged",
         "is_followed",

@@ -1,9 +1,11 @@
 """Nonlinear plants whose relative degrees, decoupling matrices and zero dynamics textbooks give in closed form."""
 
+from collections.abc import Sequence
+
 import casadi as ca
 
 from synth.plant import Plant, Symbols, build
-from synth.signals import Parameter, Signal
+from synth.signals import Parameter, Signal, per_second, signal_names
 
 B, G = 5 / 7, 9.81  # of the ball and beam
 MASS = {"MgL": 5.0, "I": 0.8, "J": 0.3, "k": 12.0}  # of the flexible joint
@@ -88,22 +90,6 @@ def unicycle(slowest: float = -1.0) -> Plant:
     return build("unicycle", states, inputs, [Signal("px", "m", -1, 1), Signal("py", "m", -1, 1)], [], physics)
 
 
-def wheels() -> Plant:
-    """The unicycle with the speeds of its left and right wheel as inputs, half a metre apart."""
-    states = [Signal("x", "m", -1, 1), Signal("y", "m", -1, 1), Signal("theta", "rad", -3, 3)]
-    inputs = [Signal("left", "m/s", 0.2, 1.0), Signal("right", "m/s", 0.2, 1.0)]
-
-    def physics(x: Symbols, u: Symbols, p: Symbols) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
-        v = (u["left"] + u["right"]) / 2
-        turn = (u["right"] - u["left"]) / 0.5
-        return (
-            {"x": v * ca.cos(x["theta"]), "y": v * ca.sin(x["theta"]), "theta": turn},
-            {"px": x["x"], "py": x["y"]},
-        )
-
-    return build("wheels", states, inputs, [Signal("px", "m", -1, 1), Signal("py", "m", -1, 1)], [], physics)
-
-
 def with_input(rate: ca.Function) -> Plant:
     """dx/dt = -x + rate(x, u), y = x, for one state and one input."""
 
@@ -123,3 +109,20 @@ def hidden(e: ca.Function) -> Plant:
 
     states = [Signal(n, "1", 0.2, 1.5) for n in ("x1", "x2", "x3")]
     return build("hidden", states, [Signal("u", "1", -1, 1)], [Signal("y", "1", 0, 2)], [], physics)
+
+
+def with_integrators(plant: Plant, names: Sequence[str]) -> Plant:
+    """Return the plant with some inputs as states, in the order of `names`, and their rates as inputs instead."""
+    old = [next(s for s in plant.inputs if s.name == name) for name in names]
+    rates = {s.name: Signal(f"{s.name}_rate", per_second(s.unit), s.low - s.high, s.high - s.low) for s in old}
+
+    def physics(x: Symbols, u: Symbols, p: Symbols) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+        values = [x[s.name] if s.name in rates else u[s.name] for s in plant.inputs]
+        args = ca.vertcat(*(x[s.name] for s in plant.states)), ca.vertcat(*values), ca.vertcat(*p.values())
+        f, h = (ca.vertsplit(ca.cse(function(*args))) for function in (plant.f, plant.h))
+        derivatives = dict(zip(signal_names(plant.states), f, strict=True))
+        derivatives |= {name: u[rate.name] for name, rate in rates.items()}
+        return derivatives, dict(zip(signal_names(plant.outputs), h, strict=True))
+
+    inputs = [rates.get(s.name, s) for s in plant.inputs]
+    return build(plant.name, [*plant.states, *old], inputs, plant.outputs, plant.parameters, physics)

@@ -21,13 +21,9 @@ Loops
     sensitivity(plant, controller)       L, S, T, PS and CS of the closed loop
     frequency_response(loop)             L at frequencies in rad/s
 
-Norms and responses
-    norm_h2(system)                      root mean square of the outputs under white noise
-    norm_hinf(system)                    largest gain over frequency, with a proved upper bound
+Responses
     step_response(system, duration_s)    the response to a unit step at each input
     impulse_response(system, duration_s) the response to a unit impulse at each input
-    bode(loop)                           a figure of magnitude and phase with the margins
-    step(system)                         a figure of the step response
 """
 
 from synth import lazy

@@ -6,11 +6,7 @@ from synth.analyse.feedback_loop import feedback as feedback
 from synth.analyse.gramian import gramians as gramians
 from synth.analyse.interconnect import connect as connect
 from synth.analyse.linearisation import linearise as linearise
-from synth.analyse.norms import norm_h2 as norm_h2
-from synth.analyse.norms import norm_hinf as norm_hinf
 from synth.analyse.operating_points import trim as trim
-from synth.analyse.plots import bode as bode
-from synth.analyse.plots import step as step
 from synth.analyse.realisation import minimal as minreal
 from synth.analyse.stability_margins import of_loop as margins
 from synth.analyse.structure import poles as poles
@@ -21,7 +17,6 @@ from synth.analyse.transfer import response as frequency_response
 from synth.analyse.transfer import with_delay_and_hold as with_delay_and_hold
 
 __all__ = [
-    "bode",
     "c2d",
     "connect",
     "delay_samples",
@@ -33,11 +28,8 @@ __all__ = [
     "linearise",
     "margins",
     "minreal",
-    "norm_h2",
-    "norm_hinf",
     "poles",
     "sensitivity",
-    "step",
     "step_response",
     "trim",
     "with_delay_and_hold",

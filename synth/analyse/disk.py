@@ -27,8 +27,6 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.timing import Time
 
-Matrices = tuple[Array, Array, Array, Array]
-
 
 @show.result
 class DiskMargin:

@@ -127,6 +127,6 @@ def _require_affine(
         )
         input_names = ", ".join(s.name for s in inputs if any(s.name in part for part in nonaffine.values()))
         raise ModelError(
-            f"plant '{plant}' is not affine in its inputs: {terms}. Put an integrator before {input_names} "
-            "(dynamic_extension.add_integrators), declare the whole term as the input and invert it outside, or hold it"
+            f"plant '{plant}' is not affine in its inputs: {terms}. Make {input_names} states, "
+            "with their rates as inputs, declare the whole term as the input and invert it outside, or hold it"
         )

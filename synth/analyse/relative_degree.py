@@ -120,7 +120,7 @@ class RelativeDegree:
         dependences = [f"that of '{name}' on {_quote(others)}" for name, others in self.rows.dependent.items()]
         return (
             f"rows of the decoupling matrix depend on others everywhere, {'; '.join(dependences)}. "
-            "Extend the plant by integrators (dynamic_extension.extend), or choose other outputs"
+            "Make inputs states of the plant, with their rates as inputs, or choose other outputs"
         )
 
     def _regularity(self, worst: singularity.WorstCondition) -> str:

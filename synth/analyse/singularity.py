@@ -22,7 +22,7 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import brentq, minimize
 
-from synth import arguments, show
+from synth import arguments
 from synth.analyse import box, rounding
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, signal_names
@@ -82,41 +82,6 @@ class WorstCondition:
         return not self.condition <= CONDITION_LIMIT
 
 
-@show.result
-class ConditionMap:
-    """Conditions (k, l) of the matrix called `what` over `points` (k,) and (l,) of two signals, the others `held`."""
-
-    what: str
-    down: Signal
-    across: Signal
-    points: tuple[Array, Array]
-    held: Mapping[str, float]
-    condition: Array
-
-    @property
-    def worst(self) -> WorstCondition:
-        """The worst cell; the cell closest to the centre of the map wins a tie."""
-        k, l = np.indices(self.condition.shape)
-        off = np.abs(k - (k.max() / 2)) + np.abs(l - (l.max() / 2))
-        k0, l0 = np.unravel_index(np.lexsort((off.ravel(), -self.condition.ravel()))[0], self.condition.shape)
-        point = np.array([self.points[0][k0], self.points[1][l0]])
-        at = {self.down.name: float(point[0]), self.across.name: float(point[1]), **self.held}
-        return WorstCondition(float(self.condition[k0, l0]), at, box.where((self.down, self.across), point))
-
-    def sheet(self) -> show.Sheet:
-        """Return the worst cell and the map, `down` by rows and `across` by columns."""
-        worst, (down, across) = self.worst, self.points
-        lines = [f"worst cell: {show.number(worst.condition)} at {worst.where}"]
-        if self.held:
-            lines.append("held: " + ", ".join(f"{n} = {v:.6g}" for n, v in self.held.items()))
-        corner = (
-            f"{show.with_unit(self.down.name, self.down.unit)} \\ {show.with_unit(self.across.name, self.across.unit)}"
-        )
-        rows = [(f"{v:.4g}", *(f"{c:.3g}" for c in row)) for v, row in zip(down, self.condition, strict=True)]
-        table = show.Table((corner, *(f"{v:.4g}" for v in across)), tuple(rows))
-        return show.Sheet(f"Condition of the {self.what}", tuple(lines), (table,))
-
-
 @arguments.checked
 def scaled(
     matrix: ca.SX, symbols: ca.SX, signals: Sequence[Signal], inputs: Sequence[Signal], labels: Sequence[str]
@@ -165,30 +130,6 @@ def worst(matrix: Scaled) -> WorstCondition:
         if value > best * (1 + IMPROVEMENT):
             best, at = value, refined
     return _worst_at(matrix, best, at)
-
-
-@arguments.checked
-def condition_map(
-    matrix: Scaled, down: str, across: str, held: Mapping[str, float] | None = None, what: str = "decoupling matrix"
-) -> ConditionMap:
-    """Return the condition over the ranges of two signals, the others as `held` or in the middle of their ranges.
-
-    Raises SignalError for a signal that does not enter the matrix.
-    """
-    known, held = signal_names(matrix.box), dict(held or {})
-    for name in (down, across, *held):
-        if name not in known:
-            raise SignalError(f"the {what} does not depend on '{name}': it depends on {', '.join(known) or 'nothing'}")
-    if len({down, across, *held}) < 2 + len(held):
-        raise SignalError(f"'{down}' and '{across}' span the map: name two signals, and hold neither")
-    middle = dict(zip(known, box.centre(matrix.box).tolist(), strict=True)) | held
-    first, second = (matrix.box[known.index(n)] for n in (down, across))
-    axes = [np.linspace(s.low, s.high, GRID) for s in (first, second)]
-    points = np.array([middle[n] for n in known])[:, None] * np.ones(GRID * GRID)
-    points[[known.index(down), known.index(across)]] = [g.ravel() for g in np.meshgrid(*axes, indexing="ij")]
-    others = {n: v for n, v in middle.items() if n not in (down, across)}
-    condition = readonly(matrix.condition(points).reshape(GRID, GRID))
-    return ConditionMap(what, first, second, (readonly(axes[0]), readonly(axes[1])), others, condition)
 
 
 def _points(signals: Sequence[Signal]) -> Array:

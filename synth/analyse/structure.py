@@ -195,13 +195,6 @@ def check_stabilisable(system: System) -> None:
 
 
 @arguments.checked
-def check_detectable(system: System) -> None:
-    """Raise ModelError for the first unobservable mode of a System that does not decay."""
-    model = of(system)
-    require_detectable(model.A, model.C, model.states, ", ".join(model.outputs) or "no output", model.time)
-
-
-@arguments.checked
 def pair(value: complex) -> str:
     """Return a real root, or a root and its conjugate, as text."""
     return f"{value.real:.5g} +- {abs(value.imag):.5g}i" if value.imag else show.number(value)

@@ -4,8 +4,13 @@
 
 mu is bounded as in `structured_singular_value`, first on a grid that is dense at lightly damped poles. Between the
 grid points, the scaling D of one point is used: sigma_max(D M(i w) D^-1) crosses a level g only where i w is an
-eigenvalue of the Hamiltonian of `bounded_real` with scaled B, C and D. These eigenvalues divide the axis into intervals
-on each of which the bound is entirely below or above g. Intervals below g are finished; the others get the scaling of
+eigenvalue of the Hamiltonian (Boyd, Balakrishnan, Kabamba 1989)
+
+    [  F   G  ]       F = A + B R^-1 D'C,     G = B R^-1 B',     Q = C'(I + D R^-1 D')C,     R = g^2 I - D'D
+    [ -Q  -F' ]
+
+with scaled B, C and D. These eigenvalues divide the axis into intervals on each of which the bound is entirely below
+or above g. Intervals below g are finished; the others get the scaling of
 another point, until none remains. If a point there exceeds the peak, it becomes the peak. If another scaling gains
 little because two singular values meet, the level rises step by step.
 """
@@ -15,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse import bounded_real, schur_response
+from synth.analyse import schur_response
 from synth.analyse import structured_singular_value as ssv
 from synth.analyse.schur_response import Response
 from synth.statespace import Array, Complex, StateSpace
@@ -200,5 +205,8 @@ def _above(M: Response, x: Array, level: float, interval: Interval) -> list[Inte
 def hamiltonian_eigenvalues(M: Response, x: Array, level: float) -> Complex:
     """Return s (2 n,), including each i w where `level` is a singular value of D M(i w) D^-1, D^2 = diag(x)."""
     d = np.sqrt(x)
-    scaled = M.A, M.B / d, M.C * d[:, None], M.D * d[:, None] / d
-    return np.asarray(np.linalg.eigvals(bounded_real.hamiltonian(scaled, level)), dtype=np.complex128)
+    A, B, C, D = M.A, M.B / d, M.C * d[:, None], M.D * d[:, None] / d
+    n = len(A)
+    K = np.linalg.solve(level**2 * np.eye(len(d)) - D.T @ D, np.hstack([D.T @ C, B.T]))
+    F, G, Q = A + B @ K[:, :n], B @ K[:, n:], C.T @ (C + D @ K[:, :n])
+    return np.asarray(np.linalg.eigvals(np.block([[F, G], [-Q, -F.T]])), dtype=np.complex128)

@@ -1,7 +1,4 @@
-"""Sets of parameter values at the ends of their tolerances: the corners of a box, or one parameter at a time.
-
-MATLAB: `ureal` vertices.
-"""
+"""Sets of parameter values at the ends of their tolerances: the corners of a box (MATLAB: `ureal` vertices)."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -27,13 +24,6 @@ def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
             f"{len(ends)} parameters have 2^{len(ends)} corners, at most {MAX_CORNERS} are allowed: name fewer"
         )
     return [dict(zip(parameters, values, strict=True)) for values in itertools.product(*ends)] if ends else []
-
-
-@arguments.checked
-def one_at_a_time(plant: Plant) -> list[Case]:
-    """Return each parameter with a tolerance at both of its ends, the others at their nominal values."""
-    toleranced = [p.name for p in plant.parameters if p.tolerance and p.value]
-    return [{name: value} for name in toleranced for value in _ends(plant, name)]
 
 
 def _ends(plant: Plant, name: str) -> tuple[float, float]:

@@ -58,11 +58,6 @@ def product(X: Twofold | Array, Y: Twofold | Array) -> Twofold:
     return Twofold(*_sum(x0 @ y0, rest))
 
 
-def relative_rounding(terms: int) -> float:
-    """Return the rounding error of a product relative to that in double precision, for sums of `terms` terms."""
-    return float(2.0 ** -_bits(terms))
-
-
 def _bits(terms: int) -> int:
     return (DIGITS - terms.bit_length()) // 2 - 1
 

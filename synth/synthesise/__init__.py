@@ -7,7 +7,6 @@ State feedback
     lqrd(system, Q, R, period_s)          optimal gain of a held input, exact cost between the samples
     with_integrators(system, outputs)     the model with integrals of outputs, for `lqr`
     place(system, poles)                  gain for given poles of the closed loop
-    deadbeat(system)                      gain that brings the state to 0 in the fewest samples
     solve_riccati(system, Q, R)           the Riccati equation with its certificate
 
 Observers
@@ -15,14 +14,12 @@ Observers
     kalmd(system, W, V, period_s)         discrete Kalman filter of a continuous model
     lqg(gain, estimator)                  controller of a gain and a Kalman filter, with one period of delay
     reduced_observer(system, measured, L) observer of the states that are not measured, for a gain L
-    reduced_kalman(system, measured, W)   reduced-order observer of least error covariance
 
 Regulators
     internal_model(frequencies)           exosystem: the steps and sines that the regulator rejects
     servo(system, exosystem, Q, R)        state feedback around copies of the exosystem, optimal
     servo_discrete(system, exosystem, Q, R, period_s)   the same for a held input
     back_calculation(regulator, decay_per_s)   its anti-windup
-    lead_lag(plant, crossover, ...)       lead-lag compensator for a crossover and a phase margin
 
 Nonlinear plants and measurements
     feedback_linearise(plant)             inputs that make the outputs chains of integrators

@@ -1,5 +1,3 @@
-from synth.synthesise.classical.crossover import design as lead_lag
-from synth.synthesise.feedback.deadbeat import feedback as deadbeat
 from synth.synthesise.feedback.lqr import lqr as lqr
 from synth.synthesise.feedback.lqr import lqrd as lqrd
 from synth.synthesise.feedback.lqr import with_integrators as with_integrators
@@ -11,7 +9,6 @@ from synth.synthesise.nonlinear.feedback_linearisation import of_plant as feedba
 from synth.synthesise.observers.kalman import kalman as kalman
 from synth.synthesise.observers.kalman import kalmd as kalmd
 from synth.synthesise.observers.lqg import predictor as lqg
-from synth.synthesise.observers.reduced_observer import by_riccati as reduced_kalman
 from synth.synthesise.observers.reduced_observer import from_gain as reduced_observer
 from synth.synthesise.regulation.anti_windup import back_calculation as back_calculation
 from synth.synthesise.regulation.internal_model import exosystem as internal_model
@@ -21,7 +18,6 @@ from synth.synthesise.riccati.riccati import solve as solve_riccati
 
 __all__ = [
     "back_calculation",
-    "deadbeat",
     "feedback_linearise",
     "fit_equations",
     "fit_linear",
@@ -29,12 +25,10 @@ __all__ = [
     "internal_model",
     "kalman",
     "kalmd",
-    "lead_lag",
     "lqg",
     "lqr",
     "lqrd",
     "place",
-    "reduced_kalman",
     "reduced_observer",
     "servo",
     "servo_discrete",

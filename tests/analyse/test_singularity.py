@@ -6,7 +6,7 @@ import pytest
 
 from models import maglev_polynomial, maglev_stage
 from synth.analyse import box, magnitude, singularity
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError
 from synth.signals import Signal
 
 X = ca.SX.sym("x", 6)
@@ -105,40 +105,3 @@ def test_a_constant_matrix_and_a_pole() -> None:
         of(ca.vertcat(ca.horzcat(X[0], 1), ca.SX.zeros(1, 2)))
     with pytest.raises(ModelError, match="not finite at a = 0 m: shrink"):
         of(ca.horzcat(1 / X[0], X[0]), (Signal("a", "m", -1.0, 1.0),))
-
-
-def test_a_map_holds_the_other_signals_and_names_its_worst_cell() -> None:
-    scaled = of(matrix_of_determinant(X[0] - 2.5, X[1]) + 0.1 * X[2])
-    condition_map = singularity.condition_map(scaled, "a", "c", {"b": 0.9})
-    for k, a in enumerate(condition_map.points[0]):
-        for l, c in enumerate(condition_map.points[1]):
-            at = scaled.at(np.array([[a], [0.9], [c]]))[0]
-            expected = scaled.strongest * np.linalg.norm(np.linalg.inv(at), 2)
-            assert condition_map.condition[k, l] == pytest.approx(expected, rel=1e-10)
-    k, l = np.unravel_index(condition_map.condition.argmax(), (9, 9))
-    assert condition_map.worst.at == {"a": condition_map.points[0][k], "c": condition_map.points[1][l], "b": 0.9}
-    text = repr(condition_map).splitlines()
-    assert text[0] == "Condition of the decoupling matrix" and text[1].startswith("worst cell: ")
-    assert f"at a = {condition_map.points[0][k]:g} m, c = {condition_map.points[1][l]:g} s" in text[1]
-    assert text[2] == "held: b = 0.9" and len(text) == 3 + 1 + 9
-    assert singularity.condition_map(scaled, "a", "c").held["b"] == pytest.approx(0.55)
-
-
-def test_a_singular_cell_is_infinite_in_the_map() -> None:
-    condition_map = singularity.condition_map(of(matrix_of_determinant(X[0] - 0.5, X[1])), "a", "b")
-    assert np.isinf(condition_map.worst.condition) and condition_map.worst.at["a"] == 0.5
-    assert condition_map.worst.at["b"] == pytest.approx(0.55)  # the middle one wins a tie
-
-
-@pytest.mark.parametrize(
-    ("down", "across", "held", "text"),
-    [
-        ("a", "z", {}, "does not depend on 'z': it depends on a, b"),
-        ("a", "a", {}, "span the map: name two signals"),
-        ("a", "b", {"b": 1.0}, "hold neither"),
-        ("a", "b", {"c": 1.0}, "does not depend on 'c'"),
-    ],
-)
-def test_a_map_over_unknown_signals_is_refused(down: str, across: str, held: dict[str, float], text: str) -> None:
-    with pytest.raises(SignalError, match=text):
-        singularity.condition_map(of(matrix_of_determinant(X[0], X[1])), down, across, held)

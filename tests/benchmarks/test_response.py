@@ -1,4 +1,4 @@
-"""The benchmark compares what both packages compute, and its tables have a line for each model."""
+"""The benchmark compares what both packages compute, and its table has a line for each model."""
 
 import pytest
 
@@ -9,21 +9,15 @@ from benchmarks import response
 def one_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(response, "TURNS", 1)
     monkeypatch.setattr(response, "SIZES", (4, 12))
-    monkeypatch.setattr(response, "STATES", 8)
     monkeypatch.setattr(response, "POINTS", 30)
 
 
-def test_the_tables_have_a_line_for_each_model() -> None:
+def test_the_table_has_a_line_for_each_model() -> None:
     title, *lines = response.responses()
     assert [line.split()[:2] for line in lines] == [[k, n] for n in ("4", "12") for k in ("dense", "flexible")]
     assert title.startswith("model")
-    title, *lines = response.gains()
-    assert [line.split()[0] for line in lines] == ["dense", "sampled", "flexible"]
-    assert all(line.endswith("yes") for line in lines)
 
 
-def test_memory_and_bounds_are_measured() -> None:
+def test_memory_is_measured() -> None:
     comparison = response.compare("dense", response.dense(12))
     assert 0 < comparison.memory_MB < 200
-    norm = response.norm("dense", response.dense(8))
-    assert norm.certified and norm.lower <= norm.upper

@@ -1,1 +1,1 @@
-"""Classical compensators: lead-lag, and its design for a crossover frequency and phase margin."""
+"""Classical compensators: lead-lag."""

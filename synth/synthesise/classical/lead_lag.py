@@ -1,18 +1,15 @@
-"""Lead-lag compensators by zeros, poles and gain (MATLAB `zpk`), and their discretisation by four methods (`c2d`).
+"""Lead-lag compensators by zeros, poles and gain (MATLAB `zpk`), and their discretisation by the trapezoidal rule.
 
     K(s) = k prod (s - z_i) / prod (s - p_i),          real zeros z_i and poles p_i, at most as many zeros as poles
 
 A compensator may also be given by time constants, k (1 + a s) / (1 + b s) (1 + c s) / s; PI is k (1 + c s) / s, and PD
-with its filter k (1 + a s) / (1 + b s). Each method returns K_d(z) of the same order for the period T:
+with its filter k (1 + a s) / (1 + b s). Either method (`c2d`) returns K_d(z) of the same order for the period T:
 
     tustin            s = (2 / T) (z - 1) / (z + 1)
     prewarped         s = (w / tan(w T / 2)) (z - 1) / (z + 1),      K_d = K at the frequency w
-    matched           each zero z_i at exp(z_i T), each pole p_i at exp(p_i T), and |K_d| = |K| at w
-    zero_order_hold   exact for an input that is constant over each period; others reach all of K except its direct term
-                      about T / 2 late
 
-All methods map an integrator to z = 1. If K has more poles than zeros, tustin, prewarped and matched map its zeros at
-infinity to z = -1, and K_d has a direct term. A K with more zeros than poles is not proper and raises an error.
+Both map an integrator to z = 1. If K has more poles than zeros, they map its zeros at infinity to z = -1, and K_d has a
+direct term. A K with more zeros than poles is not proper and raises an error.
 
 Each number is computed in ball arithmetic and rounded once. The state-space model is a series connection of sections
 x' = p x + u, y = (p - z) x + u, one for each pole in the given order, followed by the gain.
@@ -21,17 +18,16 @@ Source: Franklin, Powell, Workman, "Digital Control of Dynamic Systems", chapter
 "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology", (21) and (23).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import flint
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse import discretise, precise
-from synth.errors import ModelError, SignalError, TimingError
+from synth.analyse import precise
+from synth.errors import SignalError, TimingError
 from synth.statespace import StateSpace
-from synth.synthesise.classical.zeros import balls, evaluate, zeros_and_gain
 from synth.timing import Continuous, Discrete, Time
 
 MAX_INTEGRATORS = 10  # a loop with more integrators has no phase margin at any crossover
@@ -99,8 +95,8 @@ class LeadLag:
     method: str
     frequency: float
     gain: float
-    zeros: tuple[complex, ...]
-    poles: tuple[complex, ...]
+    zeros: tuple[float, ...]
+    poles: tuple[float, ...]
     gain_error: float
     phase_error: float
 
@@ -121,10 +117,6 @@ class LeadLag:
         equation = show.ratio("K", "z", self.gain, self.zeros, self.poles)
         table = show.Table(("", "continuous [1/s]", "sampled [z]"), tuple(rows), equation=equation)
         return show.Sheet(title, (line,), (table,))
-
-
-Method = Callable[[Compensator, float, float], LeadLag]
-"""`tustin`, `prewarped`, `matched` or `zero_order_hold`: (compensator, period in s, frequency in rad/s) -> LeadLag."""
 
 
 @arguments.checked
@@ -176,46 +168,6 @@ def prewarped(compensator: Compensator, period_s: float, frequency: float) -> Le
         return _bilinear(compensator, period_s, frequency, flint.arb(frequency) / half.tan(), "prewarped tustin")
 
 
-@arguments.checked
-def matched(compensator: Compensator, period_s: float, frequency: float) -> LeadLag:
-    """Return the matched pole-zero discretisation: |K_d| = |K| at `frequency` in rad/s; the sign is equal for s -> 0.
-
-    Raises TimingError as `tustin`; ModelError when the phases of K_d and K at `frequency` differ by 90 degrees or more.
-    """
-    _check_sampling(compensator, period_s, frequency)
-    with precise.precision():
-        T = flint.arb(period_s)
-        zeros_at_infinity = len(compensator.poles) - len(compensator.zeros)
-        zeros = [*((flint.arb(z) * T).exp() for z in compensator.zeros), *[flint.arb(-1)] * zeros_at_infinity]
-        poles = [(flint.arb(p) * T).exp() for p in compensator.poles]
-        # The ratio is K / K_d with both gains 1. The gain keeps its sign: for s -> 0 the factors s - z_i of K have the
-        # signs of the factors exp(s T) - exp(z_i T) of K_d.
-        K = evaluate(flint.arb(1), balls(compensator.zeros), balls(compensator.poles), flint.acb(0, frequency))
-        ratio = K / evaluate(flint.arb(1), zeros, poles, flint.acb(0, flint.arb(frequency) * T).exp())
-        if not ratio.real > 0:
-            raise ModelError(
-                f"at {frequency:g} rad/s the matched compensator, with the sign of K at low frequency, has a phase "
-                f"error of {_phase_error_degrees(ratio):.4g} degrees: match at a lower frequency, shorten the period, "
-                "or use `prewarped`"
-            )
-        gain = flint.arb(compensator.gain) * abs(ratio)
-        return _with_errors(
-            compensator, _discrete_compensator(compensator, period_s, gain, zeros, poles), "matched", frequency
-        )
-
-
-@arguments.checked
-def zero_order_hold(compensator: Compensator, period_s: float, frequency: float) -> LeadLag:
-    """Return the discretisation that is exact for an input that is constant over each period (`c2d` with "zoh").
-
-    Raises TimingError as `tustin`; ModelError as `precise.round_correctly`.
-    """
-    _check_sampling(compensator, period_s, frequency)
-    return _with_errors(
-        compensator, discretise.zero_order_hold(compensator.model, period_s), "zero-order hold", frequency
-    )
-
-
 def _check_sampling(compensator: Compensator, period_s: float, frequency: float) -> None:
     if not isinstance(compensator.time, Continuous):
         raise TimingError(
@@ -230,7 +182,7 @@ def _check_sampling(compensator: Compensator, period_s: float, frequency: float)
 
 
 def _bilinear(compensator: Compensator, period_s: float, frequency: float, scale: flint.arb, method: str) -> LeadLag:
-    zeros, poles = balls(compensator.zeros), balls(compensator.poles)
+    zeros, poles = ([flint.arb(v) for v in roots] for roots in (compensator.zeros, compensator.poles))
     for v in (*zeros, *poles):
         if abs(float((1 - v / scale).mid())) < 1e-9:
             raise SignalError(
@@ -256,23 +208,13 @@ def _discrete_compensator(
     return Compensator(float(gain.mid()), z_zeros, z_poles, Discrete(period_s), K.input, K.output, K.units)
 
 
-def _phase_error_degrees(ratio: flint.acb) -> float:
-    return abs(float(ratio.arg().mid())) * 180 / np.pi
-
-
-def _with_errors(compensator: Compensator, sampled: Compensator | StateSpace, method: str, frequency: float) -> LeadLag:
+def _with_errors(compensator: Compensator, sampled: Compensator, method: str, frequency: float) -> LeadLag:
     """Return the discretisation with its errors at the frequency."""
-    if isinstance(sampled, Compensator):
-        discrete, gain = sampled.model, sampled.gain
-        zeros: tuple[complex, ...] = sampled.zeros
-        poles: tuple[complex, ...] = sampled.poles
-    else:
-        discrete, poles = sampled, tuple(np.diag(sampled.A).tolist())
-        gain, zeros = zeros_and_gain(sampled)
+    discrete = sampled.model
     z = np.exp(1j * frequency * discrete.time.period_s) if isinstance(discrete.time, Discrete) else np.nan
     ratio = complex(discrete.response(z)[0, 0, 0] / compensator.model.response(1j * frequency)[0, 0, 0])
     errors = (abs(ratio) - 1, float(np.degrees(np.angle(ratio))))
-    return LeadLag(compensator, discrete, method, frequency, gain, zeros, poles, *errors)
+    return LeadLag(compensator, discrete, method, frequency, sampled.gain, sampled.zeros, sampled.poles, *errors)
 
 
 def _series_connection(K: Compensator) -> StateSpace:

@@ -1,1 +1,1 @@
-"""State feedback: LQR, pole placement, deadbeat control, and weights for them."""
+"""State feedback: LQR, pole placement, and weights for them."""

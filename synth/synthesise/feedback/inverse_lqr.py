@@ -1,6 +1,6 @@
-"""Inverse LQR: the diagonal weights for which given closed-loop poles, or a given gain, are optimal.
+"""Inverse LQR: the diagonal weights for which given closed-loop poles are optimal.
 
-From poles. For one input, u = K x optimal for x'Qx + R u^2, open-loop polynomial d(s) and closed-loop polynomial p(s),
+For one input, u = K x optimal for x'Qx + R u^2, open-loop polynomial d(s) and closed-loop polynomial p(s),
 
     p(s) p(-s) = d(s) d(-s) + (1/R) sum_i q_i n_i(s) n_i(-s),   n_i(s) = e_i' adj(sI - A) B,  Q = diag(q)
 
@@ -9,20 +9,11 @@ discrete time z and 1/z take the place of s and -s, and the left side has a fact
 coefficients of z^k + z^-k are linear in the weights and r. The weights are unique when the polynomials n_i(s) n_i(-s)
 are linearly independent. Rounded poles, as in print, give weights close to the original ones. LQR never gives poles
 that do not decay, and p(s) p(-s) does not distinguish s from -s: such poles are refused, and so are negative weights.
-
-From a gain K (m, n) for which Ac = A + B K is stable. Its cost X for Q = diag(q), R = diag(r) is linear in the weights,
-
-    continuous  Ac'X + X Ac + Q + K'R K = 0        K is optimal when    B'X + R K = 0
-    discrete    Ac'X Ac - X + Q + K'R K = 0                             B'X Ac + R K = 0
-
-and optimality gives m n linear equations in q (n,) and r (m,), with r_1 = 1 as the scale.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.linalg
-from numpy.typing import ArrayLike
 from scipy.optimize import nnls
 
 from synth import arguments, show
@@ -52,28 +43,6 @@ class DiagonalWeights:
     def sheet(self) -> show.Sheet:
         """Return the weights by name."""
         return _sheet(f"Diagonal weights for R = {self.R:g}", self.states, self.q, self.nullspace, self.residual)
-
-
-@show.result
-class GainWeights:
-    """The weights q (n,) and r (m,), r_1 = 1, for which a gain is optimal.
-
-    `unique` unless `nullspace` (n + m, k) has columns, which may be added to (q, r) while these stay above zero.
-    `residual` is relative.
-    """
-
-    q: Array
-    r: Array
-    unique: bool
-    nullspace: Array
-    residual: float
-    states: tuple[str, ...]
-    inputs: tuple[str, ...]
-
-    def sheet(self) -> show.Sheet:
-        """Return the weights by name."""
-        names, values = (*self.states, *self.inputs), np.concatenate([self.q, self.r])
-        return _sheet("Diagonal weights of a gain", names, values, self.nullspace, self.residual)
 
 
 def _sheet(title: str, names: Sequence[str], values: Array, nullspace: Array, residual: float) -> show.Sheet:
@@ -133,65 +102,6 @@ def _root_locus_equations(model: StateSpace, poles: Complex, R: float) -> tuple[
     if not np.isfinite(terms).all():
         raise ModelError("the characteristic polynomials overflow: choose a unit of time in which the poles are near 1")
     return M / size, R * (after - before) / terms, size
-
-
-@arguments.checked
-def gain_weights(system: System, K: ArrayLike) -> GainWeights:
-    """Return diagonal weights for which u = K x, K (m, n), is optimal; the first input's weight is 1.
-
-    Raises SignalError when K has the wrong shape or is not finite; ModelError when A + B K is not stable or K is not
-    optimal for any weights q >= 0, r > 0.
-    """
-    model, K = of(system), arguments.matrix("K", K)
-    n, m = model.B.shape
-    if not n or not m:
-        raise SignalError(f"the model has {n} states and {m} inputs: it needs at least one of each")
-    if K.shape != (m, n) or not np.isfinite(K).all():
-        raise SignalError(f"the gain K is {K.shape}: {m} inputs and {n} states need a finite one of {(m, n)}")
-    closed = model.A + model.B @ K
-    _require_stable(model, closed)
-    columns = [_optimality_residual(model, closed, K, np.eye(n)[i], np.zeros(m)) for i in range(n)]
-    columns += [_optimality_residual(model, closed, K, np.zeros(n), np.eye(m)[j]) for j in range(m)]
-    M = np.array(columns).T
-    rows = np.abs(M).max(axis=1, keepdims=True)
-    M = M / np.where(rows > 0, rows, 1.0)
-    free = np.arange(n + m) != n
-    size = np.abs(M).max(axis=0)
-    size = np.where(size > 0, size, 1.0)
-    unit, rhs = (M / size)[:, free], -M[:, n]
-    solution, nullspace, residual = _least_squares(unit, rhs)
-    if (nullspace.size and solution.min() < 0) or solution.min() < -MAX_RESIDUAL * np.abs(solution).max(initial=1.0):
-        solution, misfit = nnls(unit, rhs)
-        residual = float(misfit) / _residual_scale(rhs)
-    all_weights = np.insert(np.maximum(solution, 0.0) / size[free], n, 1.0)
-    if residual > MAX_RESIDUAL or all_weights[n:].min() <= 0:
-        raise ModelError(
-            f"no diagonal weights Q >= 0, R > 0 make this gain optimal: the equations are missed by {residual:.2g} of "
-            "their size; give K with more digits, or it is optimal for weights on products, or for none"
-        )
-    null = readonly(np.insert(nullspace / size[free][:, None], n, 0.0, axis=0))
-    q, r = readonly(all_weights[:n]), readonly(all_weights[n:])
-    return GainWeights(q, r, not nullspace.size, null, residual, model.states, model.inputs)
-
-
-def _require_stable(model: StateSpace, closed: Array) -> None:
-    poles = np.linalg.eigvals(closed)
-    beyond = poles.real if isinstance(model.time, Continuous) else np.abs(poles) - 1
-    if beyond.max() >= 0:
-        raise ModelError(
-            f"the gain leaves the pole {poles[np.argmax(beyond)]:.4g}, which does not decay: it is optimal for no "
-            "weights; u = K x has the sign inside K"
-        )
-
-
-def _optimality_residual(model: StateSpace, closed: Array, K: Array, q: Array, r: Array) -> Array:
-    """Return the left side of the optimality condition (m n,) for the weights q, r."""
-    cost = np.diag(q) + (K.T * r) @ K
-    if isinstance(model.time, Continuous):
-        left = model.B.T @ scipy.linalg.solve_continuous_lyapunov(closed.T, -cost)
-    else:
-        left = model.B.T @ scipy.linalg.solve_discrete_lyapunov(closed.T, cost) @ closed
-    return np.asarray(left + r[:, None] * K).ravel()
 
 
 def _least_squares(columns: Array, rhs: Array) -> tuple[Array, Array, float]:

@@ -1,7 +1,6 @@
 """Linear quadratic regulators (MATLAB `lqr`, `dlqr`, `lqrd`), u = K x (the sign is inside K, as in F(16)).
 
     lqr    min int (x'Qx + u'Ru + 2 x'Nu) dt for a continuous model, or the sum for a sampled one
-    dlqr   the sum, for a sampled model only
     lqrd   the same integral for a continuous model whose input is held over each period T:
 
            int_0^T (x'Qx + u'Ru + 2 x'Nu) dt = [x; u]' W [x; u],   W = int_0^T M(t)' [Q, N; N', R] M(t) dt
@@ -13,13 +12,12 @@
     ^                                       |
     +------------------[ K ]<---------------+
 
-`weights.output_weights` converts weights on outputs (MATLAB `lqry`); `with_integrators` adds the states q (MATLAB
-`lqi`). The computation is in double precision, or with `exact` in ball arithmetic for gains that are the same on every
-machine.
+`with_integrators` adds the states q (MATLAB `lqi`). The computation is in double precision, or with `exact` in ball
+arithmetic for gains that are the same on every machine.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,7 +28,7 @@ from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.feedback import modes, period_cost, weights
 from synth.synthesise.riccati import doubling, riccati
-from synth.timing import Continuous, Discrete, Time, period
+from synth.timing import Continuous, Time, period
 
 
 @show.result
@@ -76,8 +74,9 @@ class SampledCost:
 
     def sheet(self) -> show.Sheet:
         """Return the weights as one table."""
-        joint = weights.Weights(self.Q, self.R, self.N, self.model.states, self.model.inputs).sheet()
-        return replace(joint, title=f"Cost over one period in {self.model.time}: weights [Q, N; N', R]")
+        names = (*self.model.states, *self.model.inputs)
+        table = show.matrix("", weights.joint_weight(self.Q, self.R, self.N), names, names)
+        return show.Sheet(f"Cost over one period in {self.model.time}: weights [Q, N; N', R]", tables=(table,))
 
 
 @arguments.checked
@@ -94,22 +93,6 @@ def lqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | Non
 def _gain(model: StateSpace, solution: riccati.Riccati) -> Gain:
     cost = solution.Q, solution.R, solution.N
     return Gain(readonly(-solution.L), *cost, model.states, model.inputs, model.time, solution, model.units)
-
-
-@arguments.checked
-def dlqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
-    """Return the gain of a sampled model that minimises the sum over the samples; arguments as for `lqr`.
-
-    R may be zero where R + B'XB is positive definite.
-    Raises TimingError for a continuous model; else as `riccati.solve`.
-    """
-    model = of(system)
-    if not isinstance(model.time, Discrete):
-        raise TimingError(
-            "dlqr takes a sampled model, this one is continuous: use lqrd with the period, which keeps the continuous "
-            "cost, or sample it with zero_order_hold"
-        )
-    return lqr(model, Q, R, N, exact)
 
 
 @arguments.checked

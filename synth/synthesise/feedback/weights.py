@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth import arguments, show
+from synth import arguments
 from synth.errors import SignalError
-from synth.statespace import Array, System, of, readonly
+from synth.statespace import Array
 
 Weight = ArrayLike | Mapping[str, float]
 
@@ -18,23 +18,6 @@ ROUNDING = 1e-12  # of the unit diagonal: an eigenvalue this far below zero is t
 ASYMMETRY = 2.0**-50  # of M_ij and sqrt(M_ii M_jj), times n: a smaller M_ij - M_ji is the rounding error of a product
 # Of the unit diagonal, times n: an eigenvalue below it may be the rounding error of zero.
 EIGENVALUE_ROUNDING = 2.0**-50
-
-
-@show.result
-class Weights:
-    """Weights x'Qx + u'Ru + 2 x'Nu: Q (n, n), R (m, m), N (n, m)."""
-
-    Q: Array
-    R: Array
-    N: Array
-    states: tuple[str, ...]
-    inputs: tuple[str, ...]
-
-    def sheet(self) -> show.Sheet:
-        """Return the weights as one table."""
-        names = (*self.states, *self.inputs)
-        joint = joint_weight(self.Q, self.R, self.N)
-        return show.Sheet("Weights [Q, N; N', R]", tables=(show.matrix("", joint, names, names),))
 
 
 def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
@@ -168,21 +151,3 @@ def _by_name(what: str, value: Mapping[str, float], names: Sequence[str]) -> Arr
             raise SignalError(f"the weight {what} of '{name}' has shape {entry.shape}: give a number")
         diagonal[k] = entry
     return diagonal
-
-
-@arguments.checked
-def output_weights(system: System, Qy: Weight, R: Weight) -> Weights:
-    """Return the weights on states and inputs equal to y'Qy y + u'Ru, y = C x + D u; Qy (p, p), R (m, m).
-
-    Q = C'Qy C, N = C'Qy D, R + D'Qy D: R may be semidefinite if R + D'Qy D is definite.
-
-    Raises SignalError for weights of the wrong shape, asymmetric or indefinite.
-    """
-    model = of(system)
-    Qy, R = semidefinite("Qy", Qy, model.outputs), semidefinite("R", R, model.inputs)
-    n = len(model.states)
-    both = np.hstack([model.C, model.D])
-    W = both.T @ Qy @ both
-    W = (W + W.T) / 2
-    Q, R, N = (readonly(v) for v in (W[:n, :n], W[n:, n:] + R, W[:n, n:]))
-    return Weights(Q, R, N, model.states, model.inputs)

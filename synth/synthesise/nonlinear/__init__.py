@@ -1,1 +1,1 @@
-"""Feedback linearisation and dynamic extension."""
+"""Feedback linearisation."""

@@ -25,7 +25,7 @@ import casadi as ca
 import numpy as np
 
 from synth import arguments, law, show
-from synth.analyse import box, relative_degree, rounding, singularity, zero_dynamics
+from synth.analyse import box, relative_degree, rounding, zero_dynamics
 from synth.analyse.box import Box
 from synth.analyse.operating_points import OperatingPoint
 from synth.analyse.relative_degree import RelativeDegree
@@ -100,15 +100,6 @@ class Linearisation:
             units[name], unit = unit, per_second(unit)
         matrices = np.eye(r, k=1), np.eye(r)[:, -1:], np.eye(r)[:1], np.zeros((1, 1))
         return Chain(StateSpace(*matrices, states, (demand,), (output,), Continuous(), units), self)
-
-    def condition_map(
-        self, down: str, across: str, held: Mapping[str, float] | None = None
-    ) -> singularity.ConditionMap:
-        """Return the condition of D over the ranges of two states; the others are at mid-range or at `held`.
-
-        Raises SignalError for a state that does not enter D.
-        """
-        return singularity.condition_map(self.degree.scaled, down, across, held)
 
     def check(self, points: int = 64) -> Check:
         """Substitute the law at scattered points and compare d^r y/dt^r with the demands.

@@ -1,1 +1,1 @@
-"""Observers and the compensators on them: Kalman filters, LQG, reduced-order observers, recovery."""
+"""Observers and the compensators on them: Kalman filters, LQG, reduced-order observers."""

@@ -26,8 +26,8 @@ from synth.analyse import interconnect
 from synth.errors import SignalError
 from synth.statespace import Complex, StateSpace
 from synth.synthesise.feedback import lqr
-from synth.synthesise.observers import kalman, noise
-from synth.timing import Continuous, Time, common
+from synth.synthesise.observers import kalman
+from synth.timing import Continuous, common
 
 INTEGRAL = "_integral"
 
@@ -74,28 +74,6 @@ class Controller:
         return show.Sheet(title, lines, inner.tables)
 
 
-@show.result
-class Expectation:
-    """The mean of x'Q x + u'R u + 2 x'N u per second, or per sample, and the standard deviations of x and u.
-
-    `residual` is that of the Lyapunov equation of the covariance, relative to its terms.
-    """
-
-    cost: float
-    deviations: dict[str, float]
-    units: dict[str, str]
-    residual: float
-    time: Time
-
-    def sheet(self) -> show.Sheet:
-        """Return the cost, the residual and each signal's standard deviation."""
-        rows = [show.with_unit(name, self.units.get(name, "")) for name in self.deviations]
-        table = show.matrix("signal", np.array([list(self.deviations.values())]).T, rows, ("standard deviation",))
-        each = "second" if isinstance(self.time, Continuous) else "sample"
-        title = f"Expected cost of LQG control for each {each}: {show.number(self.cost)}"
-        return show.Sheet(title, (f"Equation of the covariance solved to {self.residual:.1e}",), (table,))
-
-
 @arguments.checked
 def predictor(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
     """Return the controller whose u uses only earlier samples; a whole period is available to compute it.
@@ -110,34 +88,6 @@ def predictor(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
 def current(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
     """Return the controller whose u also uses the sample of the same instant. Raises as `predictor`."""
     return _controller(gain, estimator, estimator.current())
-
-
-@arguments.checked
-def expected_cost(controller: Controller, actual_noise: noise.Noise | None = None) -> Expectation:
-    """Return the expected cost for the gain's weights, and the standard deviations of all states and inputs.
-
-    The noise is that of the estimator, or `actual_noise`. The cost is that of the actual loop: the gain need not be
-    designed for the same model. With weights of `lqr.lqrd` it is the cost of one period, without the constant that the
-    noise inside a period adds for every controller.
-
-    Raises ModelError when a pole of the loop does not decay.
-    """
-    loop, gain, e = controller.loop, controller.gain, actual_noise or controller.estimator.noise
-    k = len(e.W) + len(e.V)
-    Sigma, B = np.block([[e.W, e.S], [e.S.T, e.V]]), loop.B[:, :k]
-    disturbance_covariance = B @ Sigma @ B.T
-    disturbance_covariance = (disturbance_covariance + disturbance_covariance.T) / 2
-    X = noise.stationary(loop.A, disturbance_covariance, loop.time)
-    controls = loop.select(gain.inputs, loop.inputs[:k])
-    z = [loop.states.index(name) for name in gain.states]
-    zz, zu = X[np.ix_(z, z)], X[z] @ controls.C.T
-    uu = controls.C @ X @ controls.C.T + controls.D @ Sigma @ controls.D.T
-    cost = float(np.sum(gain.Q * zz) + np.sum(gain.R * uu) + 2 * np.sum(gain.N * zu))
-    values = np.sqrt(np.concatenate([np.diag(zz), np.diag(uu)]))
-    names = (*gain.states, *gain.inputs)
-    units = {name: loop.unit(name) for name in names}
-    residual = noise.residual(loop.A, disturbance_covariance, X, loop.time)
-    return Expectation(cost, dict(zip(names, values.tolist(), strict=True)), units, residual, loop.time)
 
 
 def _controller(gain: lqr.Gain, estimator: kalman.Estimator, estimator_form: StateSpace) -> Controller:

@@ -144,15 +144,6 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
     return readonly(X + _stationary_sum(A, _lyapunov_residual(A, W, X, time), time))
 
 
-def residual(A: Array, W: Array, X: Array, time: Time) -> float:
-    """Return the largest entry of A X + X A' + W, or of A X A' + W - X, relative to its terms."""
-    if not len(A):
-        return 0.0
-    a, x = np.abs(A), np.abs(X)
-    terms = a @ x + x @ a.T + np.abs(W) if isinstance(time, Continuous) else a @ x @ a.T + np.abs(W) + x
-    return float((np.abs(_lyapunov_residual(A, W, X, time)) / np.where(terms > 0, terms, 1.0)).max())
-
-
 def _lyapunov_residual(A: Array, W: Array, X: Array, time: Time) -> Array:
     """Return A X + X A' + W, or A X A' + W - X, each entry rounded once."""
     with precise.precision():

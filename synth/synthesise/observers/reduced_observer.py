@@ -11,12 +11,8 @@ With the blocks of `reduced_partition` (x+ in discrete time) and the gain L (n -
     F = A22 - L A12,   G = F L + A21 - L A11,   H = B2 - L B1
 
 the error e = x2 - x2^ of an exact model obeys e' = F e for every u. The observer needs no derivative of y and no future
-sample: x2^ uses the y of the same sample, with the direct gain L. L comes
-
-    by_poles     from the desired poles of F: state feedback of the dual pair (A22', A12')
-    by_riccati   from the least error covariance for white noise: `reduced_noise`
-    deadbeat     from F^k = 0 for the least k, the observability index of (A12, A22): e = 0 after k samples
-    from_gain    from the caller; it is refused when e does not decay
+sample: x2^ uses the y of the same sample, with the direct gain L. An L for which e does not decay is refused; L = -K'
+for the state feedback K of the dual pair (A22', A12').
 
 F, G and H are computed from L in ball arithmetic and rounded once; the poles are the exact ones of that F, rounded.
 """
@@ -28,25 +24,20 @@ from numpy.typing import ArrayLike
 
 from synth import arguments, show
 from synth.analyse import precise
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, readonly
-from synth.synthesise.feedback import deadbeat as nilpotent
-from synth.synthesise.feedback import pole_placement
-from synth.synthesise.observers import reduced_noise, reduced_partition
+from synth.synthesise.observers import reduced_partition
 from synth.synthesise.observers.reduced_partition import Partition
 from synth.synthesise.riccati import exact_eigenvalues
 from synth.synthesise.riccati.exact_eigenvalues import ball
 from synth.timing import Continuous
-
-Certificate = pole_placement.Placement | nilpotent.Deadbeat | reduced_noise.Filter | None
 
 
 @show.result
 class ReducedObserver:
     """L (n - p, p) and the recursion of x3 for a partitioned model; `poles` of F in 1/s or in z.
 
-    x^ = from_x1 x1 + from_x3 x3 with from_x1 (n, p), from_x3 (n, n - p). `certificate` is that of the design method of
-    L, None for `from_gain`.
+    x^ = from_x1 x1 + from_x3 x3 with from_x1 (n, p), from_x3 (n, n - p).
     """
 
     partition: Partition
@@ -57,7 +48,6 @@ class ReducedObserver:
     from_x1: Array
     from_x3: Array
     poles: Complex
-    certificate: Certificate
 
     @property
     def model(self) -> StateSpace:
@@ -86,12 +76,11 @@ class ReducedObserver:
         )
 
     def sheet(self) -> show.Sheet:
-        """Return the poles, the certificate, L and the recursion."""
+        """Return the poles, L and the recursion."""
         part, model = self.partition, self.model
         lines = (
             f"Poles of the error: {', '.join(show.number(p) for p in self.poles)}",
             f"Condition of the coordinates {part.condition:.3g} (scaled)",
-            *(self.certificate.lines() if self.certificate else ()),
         )
         L = show.matrix("L", self.L, model.labels(self.estimated_states), self.measured_signals)
         rows, columns = (f"next {x}_x3" for x in self.estimated_states), (f"{x}_x3" for x in self.estimated_states)
@@ -122,68 +111,10 @@ def from_gain(system: System, measured: Sequence[str] | str, L: ArrayLike) -> Re
         raise SignalError(
             f"the gain L has {gain[i, j]} for {part.estimated[i]} from {part.measured[j]}: give finite numbers"
         )
-    return _observer(part, gain, None)
+    return _observer(part, gain)
 
 
-@arguments.checked
-def by_poles(system: System, measured: Sequence[str] | str, poles: Sequence[complex] | ArrayLike) -> ReducedObserver:
-    """Return the observer whose error has the desired poles (n - p,), without those of unobservable modes.
-
-    Raises as `pole_placement.place` and `reduced_partition.of_model`.
-    """
-    part = reduced_partition.of_model(system, measured)
-    placement = pole_placement.place(_dual(part), poles)
-    return _observer(part, 0.0 - placement.K.T, placement)
-
-
-@arguments.checked
-def by_riccati(system: System, measured: Sequence[str] | str, W: reduced_noise.Weight) -> ReducedObserver:
-    """Return the observer of least error covariance for process noise W (n, n) and noise-free measurements.
-
-    W acts on the states: a matrix, a diagonal or {name: entry}; a covariance at each sample, or a density in continuous
-    time. For noisy measurements the Kalman filter of full order is optimal (`kalman`).
-
-    Raises as `reduced_noise` and `reduced_partition.of_model`.
-    """
-    part = reduced_partition.of_model(system, measured)
-    design = reduced_noise.steady_filter(part, reduced_noise.partition_noise(part, W))
-    return _observer(part, design.L, design)
-
-
-@arguments.checked
-def deadbeat(system: System, measured: Sequence[str] | str) -> ReducedObserver:
-    """Return the observer whose error is 0 after the fewest samples.
-
-    Raises TimingError for a continuous model; ModelError when a mode other than 0 is not observable; else as
-    `reduced_partition.of_model`.
-    """
-    part = reduced_partition.of_model(system, measured)
-    if isinstance(part.model.time, Continuous):
-        raise TimingError(
-            "no observer is deadbeat in continuous time: sample the model, or use by_poles with fast ones"
-        )
-    dual = _dual(part)
-    try:
-        design = nilpotent.feedback(dual)
-    except ModelError as error:
-        value, who = nilpotent.largest_uncontrollable_mode(dual)
-        raise ModelError(
-            f"mode {show.number(value, 4)} in {who} is not 0 and not observable from {', '.join(part.measured)}: no "
-            f"gain is deadbeat; measure {who} or use by_poles or by_riccati"
-        ) from error
-    return _observer(part, 0.0 - design.K.T, design)
-
-
-def _dual(part: Partition) -> StateSpace:
-    """Return the dual pair, whose state feedback u = K x gives L = -K'."""
-    n, p = len(part.estimated), len(part.measured)
-    nothing = np.zeros((n, p))
-    return StateSpace(
-        part.A22.T, part.A12.T, np.eye(n), nothing, part.estimated, part.measured, part.estimated, part.model.time
-    )
-
-
-def _observer(part: Partition, gain: Array, certificate: Certificate) -> ReducedObserver:
+def _observer(part: Partition, gain: Array) -> ReducedObserver:
     blocks = (part.A11, part.A12, part.A21, part.A22, part.B1, part.B2, gain)
     with precise.precision():
         A11, A12, A21, A22, B1, B2, L = (ball(block) for block in blocks)
@@ -199,6 +130,6 @@ def _observer(part: Partition, gain: Array, certificate: Certificate) -> Reduced
         listed = ", ".join(show.number(p, 9) for p in (slow if slow.size else [lasting]))
         raise ModelError(
             f"the observer of {', '.join(part.estimated)} with this gain has the poles {listed}: its error does not "
-            f"decay, which needs {bound}; place its poles with by_poles or deadbeat in the model's own time"
+            f"decay, which needs {bound}; take L = -K' for a K that places the poles of A22' + A12' K there"
         )
-    return ReducedObserver(part, readonly(gain), F, G, H, from_x1, from_x3, poles, certificate)
+    return ReducedObserver(part, readonly(gain), F, G, H, from_x1, from_x3, poles)

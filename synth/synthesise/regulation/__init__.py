@@ -1,1 +1,1 @@
-"""Servo regulators: internal models, their gains, anti-windup and bumpless start."""
+"""Servo regulators: internal models, their gains and anti-windup."""

@@ -1,4 +1,4 @@
-"""Anti-windup by back-calculation or conditioning: feedback of the actuators' excess over the commands.
+"""Anti-windup by back-calculation: feedback of the actuators' excess over the commands.
 
     x_c' = A x_c + B w + E (u_limited - u),    u = C x_c + D w          (x_c+ in discrete time)
 
@@ -10,12 +10,6 @@ back_calculation   E for the internal model of a servo regulator: all eigenvalue
                    F = I (x) Phi + (a / 2) I, which has no decaying mode, E = Z^-1 K_xi' V^-1 and
                    F' Z + Z F = K_xi' V^-1 K_xi (Bass), in the real Jordan form of Phi. In discrete time likewise with
                    F = I (x) Phi exp(a T / 2).
-conditioning       the realisable reference (Hanus, Kinnaert, Henrotte 1987): the change of some inputs w_r, as many as
-                   commands, for which the command equals the limited one. Where D_r, from w_r to u, is invertible,
-                   E = B_r D_r^-1. Where D_r = 0 and C B_r is invertible, the reference of the previous sample gives
-                   E = A B_r (C B_r)^-1, or more gently E = (A - z I) B_r (C B_r)^-1 with z = exp(-a T), in continuous
-                   time z = -a. The eigenvalues of A - E C are the zeros from w_r to u and, where D_r = 0, z once for
-                   each command.
 """
 
 from collections.abc import Sequence
@@ -23,21 +17,19 @@ from dataclasses import replace
 
 import flint
 import numpy as np
-from numpy.typing import ArrayLike
 
 from synth import arguments, show
 from synth.analyse import precise
 from synth.analyse.equilibrate import equilibrated
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, Complex, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, readonly
 from synth.synthesise.feedback import weights
 from synth.synthesise.regulation import internal_model, minimal_polynomial
 from synth.synthesise.regulation.servo import Servo
 from synth.synthesise.riccati import exact_eigenvalues, kronecker
-from synth.timing import Continuous, Time
+from synth.timing import Continuous
 
 DEADBEAT_DECAY = 40.0  # a T: exp(-40) is below the rounding error of a pole
-RANK_TOLERANCE = 1e-11  # of the largest singular value, rows and columns scaled: a smaller one is rounding error
 
 
 @show.result
@@ -62,20 +54,6 @@ class AntiWindup:
 
 
 @arguments.checked
-def of_gain(controller: System, E: ArrayLike) -> AntiWindup:
-    """Return a controller with any anti-windup gain E (k, m).
-
-    Raises SignalError for an E of another shape, ModelError when the controller with limited commands is not stable.
-    """
-    model, gain = of(controller), arguments.matrix("E", E)
-    if gain.shape != model.C.T.shape or not np.isfinite(gain).all():
-        raise SignalError(
-            f"E is {gain.shape}: give a finite one of {model.C.T.shape}, the controller's states by its commands"
-        )
-    return _with_excess_inputs(model, readonly(gain), "take another E")
-
-
-@arguments.checked
 def back_calculation(regulator: Servo, decay_per_s: float, V: weights.Weight | None = None) -> AntiWindup:
     """Return a servo regulator whose internal model decays at the rate a = `decay_per_s` during saturation.
 
@@ -83,7 +61,8 @@ def back_calculation(regulator: Servo, decay_per_s: float, V: weights.Weight | N
     are weighted by the size of their gains, independent of units. An observer continues with the limited commands. E is
     computed in ball arithmetic and each entry is rounded once, with the same result on every machine.
 
-    Raises SignalError for a rate that is not positive or a V that is not definite; ModelError as `of_gain`.
+    Raises SignalError for a rate that is not positive or a V that is not definite; ModelError when the controller
+    with limited commands is not stable.
     """
     rate, controls = _decay_rate(decay_per_s), regulator.controls
     weight = None if V is None else weights.definite("V", V, controls)
@@ -141,35 +120,6 @@ def _modal_gains(regulator: Servo, rate: float) -> Array:
     return C / _mode_sizes(C, [mode.order for mode in modes] * p)
 
 
-@arguments.checked
-def conditioning(controller: System, references: Sequence[str] | str, decay_per_s: float | None = None) -> AntiWindup:
-    """Return a controller conditioned on the inputs `references`, as many as its commands.
-
-    `decay_per_s` is the rate a of the case D_r = 0; in discrete time None is allowed and means deadbeat, z = 0.
-
-    Raises SignalError for an unknown reference, another count or a rate that is not positive; ModelError when neither
-    D_r nor, with D_r = 0, C B_r is invertible, and for zeros that do not decay.
-    """
-    model, names = of(controller), arguments.as_name_list("references", references)
-    part = model.select(model.outputs, names)
-    if len(names) != len(model.outputs):
-        raise SignalError(
-            f"conditioning on {', '.join(names)}: give as many references as commands, "
-            f"{len(model.outputs)} for {', '.join(model.outputs)}, or use back_calculation"
-        )
-    if part.D.any():
-        E = np.linalg.solve(_require_invertible(part, part.D, "the direct term D").T, part.B.T).T
-    else:
-        z = _pole(decay_per_s, model.time)
-        invertible = _require_invertible(part, part.C @ part.B, "D = 0, and C B")
-        E = np.linalg.solve(invertible.T, (part.A @ part.B - z * part.B).T).T
-    return _with_excess_inputs(
-        model,
-        readonly(E),
-        f"it is a zero from {', '.join(names)}, and no choice here helps: use back_calculation",
-    )
-
-
 def _with_excess_inputs(model: StateSpace, gain: Array, mend: str) -> AntiWindup:
     excess = tuple(f"{name.removesuffix('_command')}_excess" for name in model.outputs)
     units = {end: model.unit(name) for end, name in zip(excess, model.outputs, strict=True) if model.unit(name)}
@@ -198,26 +148,6 @@ def _mode_sizes(C: Array, orders: Sequence[int]) -> Array:
     first = np.cumsum([0, *orders[:-1]])
     whole = np.sqrt(np.add.reduceat((C**2).sum(axis=0), first))
     return np.repeat(np.where(whole > 0, whole, 1.0), orders)
-
-
-def _require_invertible(part: StateSpace, M: Array, what: str) -> Array:
-    """Return M (m, m), called `what`; raise ModelError when it is singular after scaling."""
-    values = np.linalg.svd(equilibrated(M)[0], compute_uv=False)
-    if not values.size or values[-1] <= RANK_TOLERANCE * values[0]:
-        raise ModelError(
-            f"from {', '.join(part.inputs)} to {', '.join(part.outputs)} {what} is singular: no reference makes every "
-            "command realisable; condition on other inputs, give each command an error of its own, or use "
-            "back_calculation"
-        )
-    return M
-
-
-def _pole(decay_per_s: float | None, time: Time) -> float:
-    if isinstance(time, Continuous):
-        if decay_per_s is None:
-            raise SignalError("conditioning a continuous controller whose D is 0: give the rate decay_per_s")
-        return -_decay_rate(decay_per_s)
-    return 0.0 if decay_per_s is None else float(np.exp(-_decay_rate(decay_per_s) * time.period_s))
 
 
 def _decay_rate(decay_per_s: float) -> float:

@@ -140,25 +140,6 @@ def of_gain(
 
 
 @arguments.checked
-def with_observer(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
-    """Return the regulator with a full-order observer of the plant, x^' = A x^ + B u + L (y - C x^ - D u).
-
-    L is (n, l) for the outputs `measured`. Raises as `with_estimator`; SignalError for an L of another shape.
-    """
-    plant = servo.plant
-    ends = plant.outputs if measured is None else arguments.as_name_list("measured outputs", measured)
-    seen = plant.select(ends, servo.controls)
-    gain = arguments.matrix("L", L)
-    if gain.shape != seen.C.T.shape:
-        raise SignalError(f"L is {gain.shape}: give {seen.C.T.shape}, states by the outputs {', '.join(seen.outputs)}")
-    states, inputs = with_suffix(plant.states, "estimate"), (*seen.inputs, *seen.outputs)
-    B = np.hstack([seen.B - gain @ seen.D, gain])
-    n = len(plant.A)
-    form = (seen.A - gain @ seen.C, B, np.eye(n), np.zeros((n, len(inputs))))
-    return with_estimator(servo, StateSpace(*form, states, inputs, states, plant.time))
-
-
-@arguments.checked
 def with_estimator(servo: Servo, estimator: System) -> Servo:
     """Return the regulator with an estimator of the plant's states, u = K_x x^ + K_xi xi.
 

@@ -1,10 +1,8 @@
-"""Lyapunov, Stein and Sylvester equations of p copies of a small matrix, I (x) F with F (k, k), in ball arithmetic.
+"""Lyapunov and Stein equations of p copies of a small matrix, I (x) F with F (k, k), in ball arithmetic.
 
     lyapunov    (I (x) F) Y + Y (I (x) F') = H          stein    (I (x) F) Y (I (x) F') - Y = H
-    sylvester   M A - (I (x) F) M = H
 
-Each block of Y, and the rows of M for each copy, satisfy a separate equation with the same operator. The operator is
-factored once.
+Each block of Y satisfies a separate equation with the same operator. The operator is factored once.
 """
 
 import flint
@@ -23,15 +21,6 @@ def lyapunov(F: Mat, H: Mat) -> Mat:
 def stein(F: Mat, H: Mat) -> Mat:
     """Return Y (p k, p k) of F (k, k) and H (p k, p k)."""
     return _by_blocks(precise.kronecker(F, F) - precise.identity(F.nrows() ** 2), H)
-
-
-def sylvester(A: Mat, F: Mat, H: Mat) -> Mat:
-    """Return M (p k, n) of A (n, n), F (k, k) and H (p k, n)."""
-    k, n = F.nrows(), A.nrows()
-    operator = precise.kronecker(precise.identity(k), A.transpose()) - precise.kronecker(F, precise.identity(n))
-    copies = range(H.nrows() // k)
-    rows = operator.solve(Mat([[H[a * k + i, j] for a in copies] for i in range(k) for j in range(n)]))
-    return Mat([[rows[i * n + j, a] for j in range(n)] for a in copies for i in range(k)])
 
 
 def block(F: Mat, p: int) -> Mat:

@@ -1,4 +1,4 @@
-"""Information, its worst case, zeros of determinants and placement, on measurements with known results."""
+"""Information, its worst case and zeros of determinants, on measurements with known results."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from synth.analyse import precise
-from synth.analyse.observability import information, isolated_zeros, placement, worst_deviation
+from synth.analyse.observability import information, isolated_zeros, worst_deviation
 from synth.errors import ModelError
 
 # Two ranges from beacons at (0, 0) and (a, 0) to a place (x, y): rank is lost on the line through them.
@@ -155,32 +155,6 @@ def test_double_zeros_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(isolated_zeros, "MAX_BISECTIONS", 6)
     with precise.precision(), pytest.raises(ModelError, match="meet or lie on a line"):
         isolated_zeros.search(sines(1.0))
-
-
-def bowl(centre: np.ndarray, x: np.ndarray) -> float:
-    return float(((x - centre) ** 2).sum())
-
-
-def test_placement_comes_to_the_nearest_grid_point() -> None:
-    cost, square = partial(bowl, np.array([0.1234, -0.5])), placement.Square(1.0, 100)
-    coordinates = placement.search(cost, cost, 2, square, placement.SearchBudget(5))
-    np.testing.assert_allclose(coordinates, [0.12, -0.5], atol=1e-12)
-    held = placement.improve(partial(bowl, np.array([9.0])), [0.0], square, placement.SearchBudget(tries=60))
-    assert held[0] == 1.0
-    with pytest.raises(ModelError, match="give both above 0"):
-        placement.Square(0.0)
-
-
-def test_an_improved_placement_stays_in_the_square_and_on_its_grid() -> None:
-    budget = placement.SearchBudget(tries=40)
-    coarse = placement.improve(lambda x: -float(x[0]), [0.0], placement.Square(0.6, 1), budget)
-    assert coarse.tolist() == [0.0], "the next grid point, 1, is outside"
-    fine = placement.improve(lambda x: -float(x[0]), [0.6], placement.Square(0.6, 7), budget)
-    assert fine.tolist() == [4 / 7]
-    rounded = placement.improve(lambda x: abs(float(x[0]) - 4e-4), [4e-4], placement.Square(1.0), budget)
-    assert rounded.tolist() == [0.0], "the grid point nearest to the start"
-    with pytest.raises(ModelError, match="the start reaches to 5, the square to 1: give a start inside"):
-        placement.improve(lambda x: -float(x[0]), [5.0], placement.Square(1.0), budget)
 
 
 @pytest.mark.parametrize("condition", [1e3, 1e8, 1e10])

@@ -1,5 +1,7 @@
 """Compensators against python-control, high precision and the published loops of the planar positioner."""
 
+from collections.abc import Callable
+
 import control
 import mpmath
 import numpy as np
@@ -9,15 +11,16 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from synth.analyse import feedback_loop, loop, stability_margins
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
 from synth.synthesise.classical.lead_lag import Compensator
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
+Method = Callable[[Compensator, float, float], lead_lag.LeadLag]
 T, W = 1e-3, 108.9
-METHODS = (lead_lag.tustin, lead_lag.prewarped, lead_lag.matched, lead_lag.zero_order_hold)
+METHODS = (lead_lag.tustin, lead_lag.prewarped)
 UNITS = {"q_error": "m", "f": "N"}
 
 
@@ -84,7 +87,6 @@ def test_python_control_samples_it_alike(seed: int) -> None:
     expected = {
         lead_lag.tustin: control.sample_system(system, T, "tustin"),
         lead_lag.prewarped: control.sample_system(system, T, "tustin", prewarp_frequency=at),
-        lead_lag.zero_order_hold: control.sample_system(system, T, "zoh"),
     }
     for method, witness in expected.items():
         sampled = method(K, T, at)
@@ -96,7 +98,7 @@ def test_python_control_samples_it_alike(seed: int) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_zeros_poles_and_gain_are_those_of_the_sampled_model(method: lead_lag.Method) -> None:
+def test_zeros_poles_and_gain_are_those_of_the_sampled_model(method: Method) -> None:
     for K in (paper(), Compensator(3.0, (), (-50.0, 0.0)), Compensator(-3.0, (-20.0,), (-50.0, -300.0))):
         sampled, z = method(K, T, W), np.exp(1j * np.array([0.02, 0.4, 2.0]))
         value = (
@@ -106,46 +108,6 @@ def test_zeros_poles_and_gain_are_those_of_the_sampled_model(method: lead_lag.Me
         )
         np.testing.assert_allclose(sampled.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
         assert sum(abs(p - 1) < 1e-15 for p in sampled.poles) == K.poles.count(0.0)
-
-
-def test_matched_zeros_and_poles_lie_at_the_exponentials() -> None:
-    sampled = lead_lag.matched(paper(), T, W)
-    assert sampled.zeros == pytest.approx(np.exp(T * np.array(paper().zeros)), rel=1e-15)
-    assert sampled.poles == pytest.approx(np.exp(T * np.array(paper().poles)), rel=1e-15)
-    assert abs(sampled.gain_error) < 1e-13 and abs(sampled.phase_error) > 0.1
-    lag = lead_lag.matched(Compensator(-3.0, (), (-50.0, -300.0)), T, W)
-    assert lag.zeros == (-1.0, -1.0) and lag.gain < 0
-
-
-def test_matching_never_turns_the_sign_at_rest() -> None:
-    slow = Compensator(1.0, (), (-100.0, -60.0, -45.0, -33.0))
-    with pytest.raises(ModelError, match=r"at 50 rad/s .* a phase error of 126.4 degrees: match at a lower frequency"):
-        lead_lag.matched(slow, 0.05, 50.0)
-    for K in (slow, Compensator(-1.0, (2.0,), (-100.0, 3.0, -45.0))):  # zero and pole to the right, gain negative
-        sampled = lead_lag.matched(K, 0.05, 5.0)
-        ratio = (sampled.discrete.response(1.0) / K.model.response(0.0))[0, 0, 0].real
-        assert ratio == pytest.approx(1.0, abs=0.1) and abs(sampled.gain_error) < 1e-13
-
-
-@pytest.mark.parametrize("period", [1e-4, 1e-3, 1e-2])
-@pytest.mark.parametrize(
-    ("zeros", "poles"),
-    [
-        ((), (-20.0, -50.0, -300.0, -301.0)),  # three zeros at infinity lie near -10, -1 and -0.1
-        ((-7.0,), (-20.0, -50.0, -300.0, 0.0)),
-        ((-50.0, -50.0), (-50.0, -50.0)),  # all cancel: double zeros on double poles
-        ((-20.0, -7.0), (-50.0, -1e9)),  # a pole that is 0 in z
-    ],
-)
-def test_the_zeros_of_the_held_one_are_those_of_its_model(
-    zeros: tuple[float, ...], poles: tuple[float, ...], period: float
-) -> None:
-    """The listing says what the model does, to the digits of the model, however small its gain."""
-    sampled = lead_lag.zero_order_hold(Compensator(-3.0, zeros, poles), period, W)
-    z = np.array([0.3 + 2j, -3.0, 1.4j])
-    listed = [np.prod([z - v for v in part], axis=0) for part in (sampled.zeros, sampled.poles)]
-    value = sampled.gain * listed[0] / listed[1]
-    np.testing.assert_allclose(sampled.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
 
 
 def test_the_errors_at_the_frequency_are_reported() -> None:
@@ -176,7 +138,6 @@ def test_the_numbers_are_rounded_once() -> None:
             gain /= scale - mpmath.mpf(v)
         sampled = lead_lag.prewarped(K, T, W)
         assert [*sampled.zeros, *sampled.poles] == z and sampled.gain == float(gain)
-        assert lead_lag.matched(K, T, W).poles[0] == float(mpmath.exp(mpmath.mpf(K.poles[0]) * mpmath.mpf(T)))
 
 
 def test_the_difference_equation_answers_as_scipys_filter() -> None:
@@ -238,9 +199,9 @@ def test_what_is_no_compensator_is_refused() -> None:
     with pytest.raises(TimingError, match=r"not between 0 and Nyquist, 3141.59 rad/s"):
         lead_lag.prewarped(paper(), T, 3200.0)
     with pytest.raises(TimingError, match="give the continuous one"):
-        lead_lag.zero_order_hold(Compensator(1.0, (), (0.5,), Discrete(T)), T, W)
+        lead_lag.tustin(Compensator(1.0, (), (0.5,), Discrete(T)), T, W)
     with pytest.raises(TimingError, match="must be finite and positive"):
-        lead_lag.matched(paper(), -1.0, W)
+        lead_lag.tustin(paper(), -1.0, W)
 
 
 def test_signals_and_units_are_carried_and_printed() -> None:

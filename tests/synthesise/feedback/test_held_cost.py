@@ -97,7 +97,7 @@ def test_a_gain_that_takes_the_input_for_prompt_costs_more(delay: float) -> None
     A, B = cost.model.A, cost.model.B
     if np.abs(np.linalg.eigvals(A + B @ prompt)).max() < 0.99:
         assert integral(replace(best, K=prompt), plant, (Q, R, N), delay, z) > least * 1.001
-    crossless = lqr.dlqr(cost.model, cost.Q, cost.R)
+    crossless = lqr.lqr(cost.model, cost.Q, cost.R)
     assert integral(replace(best, K=crossless.K), plant, (Q, R, N), delay, z) > least * 1.001
 
 
@@ -126,7 +126,7 @@ def test_for_whole_samples_it_is_the_sum_of_the_delayed_model(samples: int) -> N
     powers = [np.linalg.matrix_power(A, k) for k in range(samples, -1, -1)]
     P = np.hstack([powers[0], *(power @ B for power in powers[1:])])
     predicted_Q = P.T @ cost.Q @ P
-    summed = lqr.dlqr(late, (predicted_Q + predicted_Q.T) / 2, cost.R, P.T @ cost.N)
+    summed = lqr.lqr(late, (predicted_Q + predicted_Q.T) / 2, cost.R, P.T @ cost.N)
     size = np.abs(gain.K).max()
     np.testing.assert_allclose(gain.K, summed.K, rtol=0, atol=tolerances.of("pencil") * size)
     np.testing.assert_allclose(gain.K, lqr.lqrd(plant, Q, R, T, N).K @ P, rtol=0, atol=tolerances.of("pencil") * size)

@@ -4,9 +4,9 @@ import control
 import numpy as np
 import pytest
 
-from synth.errors import SignalError, TimingError
+from synth.errors import SignalError
 from synth.statespace import StateSpace
-from synth.synthesise.feedback import lqr, weights
+from synth.synthesise.feedback import lqr
 from synth.synthesise.regulation import internal_model
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -138,31 +138,6 @@ def test_sampled_integrals_are_sums_and_units_cancel() -> None:
         lqr.with_integrators(plant, ("n", "n"))
     with pytest.raises(SignalError, match="'z' is not one of v, n, a"):
         lqr.with_integrators(plant, ("z",))
-
-
-def test_weights_on_outputs_count_what_the_input_adds() -> None:
-    rng = np.random.default_rng(5)
-    A, B, C, D = (rng.normal(size=shape) for shape in ((3, 3), (3, 2), (2, 3), (2, 2)))
-    state_weights = weights.output_weights((A, B, C, D), [2.0, 5.0], np.diag([0.0, 1.0]))
-    x, u = rng.normal(size=3), rng.normal(size=2)
-    y = C @ x + D @ u
-    expected_cost = x @ state_weights.Q @ x + u @ state_weights.R @ u + 2 * x @ state_weights.N @ u
-    assert expected_cost == pytest.approx(y @ np.diag([2.0, 5.0]) @ y + u[1] ** 2, rel=tolerances.of("double"))
-    gain = lqr.lqr((A, B, C, D), state_weights.Q, state_weights.R, state_weights.N)
-    K, *_ = control.lqr(A, B, state_weights.Q, state_weights.R, state_weights.N, method="scipy")
-    np.testing.assert_allclose(gain.K, -K, rtol=0, atol=tolerances.of("pencil") * np.abs(K).max())
-    assert np.abs(lqr.lqr((A, B, C, D), state_weights.Q, state_weights.R).K + K).max() > 1e-3  # the cross weight counts
-    assert "[Q, N; N', R]" in repr(state_weights)
-
-
-def test_dlqr_is_for_sampled_models_alone() -> None:
-    c, Q, R = random_problem(2)
-    held = lqr.sampled_cost(c, Q, R, 0.1).model
-    K, *_ = control.dlqr(held.A, held.B, Q, R, method="scipy")
-    np.testing.assert_allclose(lqr.dlqr(held, Q, R).K, -K, rtol=tolerances.of("pencil"))
-    np.testing.assert_array_equal(lqr.dlqr(held.to_control(), Q, R).K, lqr.dlqr(held, Q, R).K)
-    with pytest.raises(TimingError, match=r"this one is continuous: use lqrd with the period"):
-        lqr.dlqr(c, Q, R)
 
 
 def test_arrays_are_read_and_results_print_names_and_units() -> None:

@@ -1,9 +1,14 @@
-"""Models of a mass and of one state, the filter of the mass, and the run of a sampled model over recorded inputs."""
+"""Models of a mass and of one state, the filter of the mass, observers by their gain or poles, and runs of models."""
+
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from synth.statespace import StateSpace, of
-from synth.synthesise.observers import kalman, lqg
+from synth.statespace import StateSpace, System, of
+from synth.synthesise.feedback import pole_placement
+from synth.synthesise.observers import kalman, lqg, reduced_observer, reduced_partition
+from synth.synthesise.observers.reduced_observer import ReducedObserver
 from synth.timing import Continuous, Time
 
 UNITS = {"x": "m", "v": "m/s", "f": "N", "y": "m"}
@@ -32,3 +37,19 @@ def run(form: StateSpace, inputs: np.ndarray) -> np.ndarray:
         outputs.append(form.C @ x + form.D @ u)
         x = form.A @ x + form.B @ u
     return np.array(outputs)
+
+
+def full_order_observer(plant: StateSpace, L: ArrayLike) -> StateSpace:
+    """Return x^' = A x^ + B u + L (y - C x^ - D u), or x^+, from u and y to ``<state>_estimate``."""
+    gain, n = np.asarray(L), len(plant.A)
+    states, inputs = tuple(f"{x}_estimate" for x in plant.states), (*plant.inputs, *plant.outputs)
+    B = np.hstack([plant.B - gain @ plant.D, gain])
+    matrices = plant.A - gain @ plant.C, B, np.eye(n), np.zeros((n, len(inputs)))
+    return StateSpace(*matrices, states, inputs, states, plant.time)
+
+
+def by_poles(system: System, measured: Sequence[str] | str, poles: Sequence[complex]) -> ReducedObserver:
+    """Return the reduced-order observer whose error has these poles, by state feedback of the dual pair."""
+    part = reduced_partition.of_model(system, measured)
+    dual = part.A22.T, part.A12.T, np.eye(len(part.A22)), np.zeros(part.A12.T.shape), part.model.time
+    return reduced_observer.from_gain(system, measured, -pole_placement.place(dual, poles).K.T)

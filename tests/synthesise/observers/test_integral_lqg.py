@@ -70,22 +70,6 @@ def test_a_direct_term_is_integrated_too() -> None:
     assert loop.separation < tolerances.of("double") * 1e2
 
 
-def test_measurement_noise_reaches_the_integral() -> None:
-    """E of the cost with integrators: the noise on (x, q) is (w, T v), its covariance with v (S, T V)."""
-    estimator = held_mass()
-    gain = lqr.lqr(lqr.with_integrators(estimator.model, ("y",)), np.diag([1e6, 1, 1e8]), [[1e-2]])
-    e, X, K = estimator.noise, gain.certificate.X, gain.K[:, :2]
-    B = np.vstack([estimator.model.B, np.zeros((1, 1))])
-    W = np.block([[e.W, T * e.S], [T * e.S.T, T * T * e.V]])
-    weight = gain.R + B.T @ X @ B
-    before = np.trace(X @ W) + np.trace(estimator.prior @ K.T @ weight @ K)
-    assert lqg.expected_cost(lqg.predictor(gain, estimator)).cost == pytest.approx(before, rel=1e-7)
-    seen = np.vstack([e.S, T * e.V])
-    now = np.trace(X @ W) + np.trace(estimator.posterior @ K.T @ weight @ K)
-    now += 2 * np.trace(X @ B @ K @ estimator.M @ seen.T)
-    assert lqg.expected_cost(lqg.current(gain, estimator)).cost == pytest.approx(now, rel=1e-7)
-
-
 def test_the_planar_stage_with_three_integrators_at_800_hz() -> None:
     """The model of (26), (27), (31) with the weights (47), (48), the integrals' first as printed."""
     plant, period = planar(), 1 / 800
@@ -100,4 +84,3 @@ def test_the_planar_stage_with_three_integrators_at_800_hz() -> None:
     reached = last(loop.loop, target, 6000)
     for name in plant.outputs:
         assert reached[name] == pytest.approx(target[f"{name}_reference"], rel=1e-6)
-    assert lqg.expected_cost(loop).units["phi_hall_integral"] == "rad s"

@@ -16,6 +16,7 @@ from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import reduced_compensator, reduced_observer
 from synth.timing import Continuous, Discrete
 from tests import tolerances
+from tests.synthesise.observers.models import by_poles
 
 # The planar positioner, Y(31): positions, their integrals, speeds; currents of the motors A, B, C.
 T = 1 / 800
@@ -155,7 +156,7 @@ def test_no_choice_of_noise_would_have_mended_42(seed: int, rank: int) -> None:
 
 def test_integrals_that_the_compensator_computes_itself() -> None:
     """z+ = z + T y for K designed on that very model; a constant force on each axis leaves no error in y."""
-    observer = reduced_observer.by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
+    observer = by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
     computed = interconnect.integrals(PLAIN, dict(zip(INTEGRALS, POSITIONS, strict=True)))
     np.testing.assert_array_equal(computed.B, T * np.eye(3))
     plant = reduced_compensator.augmented(observer, computed)
@@ -176,7 +177,7 @@ def test_integrals_that_the_compensator_computes_itself() -> None:
 
 def test_the_loop_runs_as_plant_and_compensator_do_step_by_step() -> None:
     """Written out without matrices of the loop: u acts on the y of its own sample."""
-    observer = reduced_observer.deadbeat(HELD, (*POSITIONS, *INTEGRALS))
+    observer = by_poles(HELD, (*POSITIONS, *INTEGRALS), [0.0, 0.0, 0.0])
     compensator = reduced_compensator.compensator(observer, -K49)
     L, x = observer.L, np.arange(1, 10) * 1e-5
     x3, w = np.zeros(3), np.concatenate([x, np.zeros(3)])
@@ -202,7 +203,7 @@ def direct(seed: int) -> StateSpace:
 @pytest.mark.parametrize("seed", range(4))
 def test_a_direct_path_is_taken_off_at_the_same_sample(seed: int) -> None:
     model = direct(seed)
-    observer = reduced_observer.by_poles(model, ("a", "b"), [0.2, 0.3])
+    observer = by_poles(model, ("a", "b"), [0.2, 0.3])
     z = StateSpace([[0.5]], [[1, 2, 3]], [[1]], [[0, 0, 0]], ("z",), ("b", "r_estimate", "g"), ("z",), Discrete(0.1))
     plant = reduced_compensator.augmented(observer, z)
     np.testing.assert_allclose(plant.A[4, :4], model.C[1] + 2 * np.eye(4)[2], rtol=tolerances.of("double"))
@@ -218,7 +219,7 @@ def test_a_direct_path_is_taken_off_at_the_same_sample(seed: int) -> None:
 
 def test_the_loop_answers_disturbances_and_noise_as_its_parts_say() -> None:
     """y = P (u + d), u = C (y + n) with P and C the responses of plant and compensator."""
-    observer = reduced_observer.by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
+    observer = by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
     compensator = reduced_compensator.compensator(observer, lqr.lqr(PLAIN, np.eye(6), np.eye(3)).K)
     z = np.exp(1j * np.array([0.01, 0.3, 2.0]))
     P, C, one = PLAIN.response(z), compensator.model.response(z), np.eye(3)
@@ -231,7 +232,7 @@ def test_the_loop_answers_disturbances_and_noise_as_its_parts_say() -> None:
 
 
 def test_a_continuous_loop_separates() -> None:
-    observer = reduced_observer.by_poles(planar(integrals=False), POSITIONS, [-300, -300, -400])
+    observer = by_poles(planar(integrals=False), POSITIONS, [-300, -300, -400])
     computed = interconnect.integrals(planar(integrals=False), {"z1": "x"})
     gain = lqr.lqr(reduced_compensator.augmented(observer, computed), np.diag([1e6, 1e6, 1e6, 1, 1, 1, 1e8]), np.eye(3))
     compensator = reduced_compensator.compensator(observer, gain.K, computed)
@@ -245,14 +246,14 @@ def test_a_sample_of_delay_belongs_to_the_plant() -> None:
     gain = lqr.lqr(late, np.diag([1e6] * 3 + [1.0] * 3 + [1e-3] * 3), np.eye(3))
     known = (*POSITIONS, "iA_late1", "iB_late1", "iC_late1")
     for observer in (
-        reduced_observer.by_poles(late, POSITIONS, [0.1, 0.1, 0.1, 0.2, 0.2, 0.2]),
-        reduced_observer.by_poles(late, known, [0.2, 0.2, 0.2]),
+        by_poles(late, POSITIONS, [0.1, 0.1, 0.1, 0.2, 0.2, 0.2]),
+        by_poles(late, known, [0.2, 0.2, 0.2]),
     ):
         assert reduced_compensator.compensator(observer, gain.K).separation < tolerances.of("double")
 
 
 def test_what_makes_no_compensator() -> None:
-    observer = reduced_observer.by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
+    observer = by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
     gain = lqr.lqr(PLAIN, np.eye(6), np.eye(3)).K
     with pytest.raises(SignalError, match=r"the gain K is \(3, 5\): .* need a finite one of \(3, 6\)"):
         reduced_compensator.compensator(observer, gain[:, :5])
@@ -273,16 +274,16 @@ def test_what_makes_no_compensator() -> None:
 def test_an_input_that_acts_on_itself_at_once_without_a_solution() -> None:
     """y = x + u and u = -x^ = -(y - u) leave no u."""
     A, B, C = [[0.5, 1], [0, 0.5]], [[0.1], [0]], [[1, 0]]
-    observer = reduced_observer.by_poles((A, B, C, [[1]], 0.1), "y1", [0.2])
+    observer = by_poles((A, B, C, [[1]], 0.1), "y1", [0.2])
     with pytest.raises(ModelError, match="the algebraic loop of u through D and K has no solution"):
         reduced_compensator.compensator(observer, [[-1, 0]])
-    without = reduced_observer.by_poles((A, B, C, [[0]], 0.1), "y1", [0.2])
+    without = by_poles((A, B, C, [[0]], 0.1), "y1", [0.2])
     assert reduced_compensator.compensator(without, [[-1, 0]]).separation < tolerances.of("double")
 
 
 def test_a_model_without_inputs_has_an_observer_and_nothing_to_feed_back() -> None:
     plant = ([[0.5, 1], [0, 0.5]], np.zeros((2, 0)), [[1, 0]], np.zeros((1, 0)), 0.1)
-    compensator = reduced_compensator.compensator(reduced_observer.by_poles(plant, "y1", [0.1]), np.zeros((0, 2)))
+    compensator = reduced_compensator.compensator(by_poles(plant, "y1", [0.1]), np.zeros((0, 2)))
     assert compensator.model.outputs == ()
     np.testing.assert_allclose(np.sort(compensator.poles.real), [0.1, 0.5, 0.5])
 

@@ -3,21 +3,19 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import control
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth import synthesise
 from synth.analyse import discretise
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace
-from synth.synthesise.feedback import deadbeat, pole_placement
 from synth.synthesise.observers import reduced_observer, reduced_partition
 from synth.synthesise.observers.reduced_observer import ReducedObserver
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
+from tests.synthesise.observers.models import by_poles
 
 T = 1e-2
 UNITS = {"x": "m", "v": "m/s", "i": "A"}
@@ -71,7 +69,7 @@ def spread_poles(count: int) -> list[float]:
 def test_the_cart_has_the_observer_worked_by_hand() -> None:
     """x+ = x + T v + b T^2/2 i, v+ = v + b T i and L = (1 - p) / T give F = p, G = -L^2 T, H = b T (1 + p) / 2."""
     p, b = 0.3, 13.0
-    observer = reduced_observer.by_poles(HELD, "x", [p])
+    observer = by_poles(HELD, "x", [p])
     L = (1 - p) / T
     for value, expected in (
         (observer.L, L),
@@ -87,29 +85,17 @@ def test_the_cart_has_the_observer_worked_by_hand() -> None:
 def test_estimates_converge_to_the_states_as_the_poles_say(measured: Sequence[str]) -> None:
     model = random_model(1)
     count = 5 - len(measured)
-    observer = reduced_observer.by_poles(model, measured, spread_poles(count))
+    observer = by_poles(model, measured, spread_poles(count))
     error = misses(observer)
     assert np.abs(error[0]).max() > 1e-3
     assert np.abs(error[-1]).max() < tolerances.of("settled")
     np.testing.assert_allclose(np.sort(observer.poles.real), spread_poles(count), rtol=tolerances.of("placed"))
 
 
-def test_deadbeat_estimates_are_exact_from_the_observability_index_on() -> None:
-    model = random_model(2)
-    observer = reduced_observer.deadbeat(model, ("y0", "y1"))
-    part, certificate = observer.partition, observer.certificate
-    shown = [part.A12 @ np.linalg.matrix_power(part.A22, k) for k in range(3)]
-    index = next(k for k in (1, 2, 3) if np.linalg.matrix_rank(np.vstack(shown[:k])) == 3)
-    assert isinstance(certificate, deadbeat.Deadbeat) and certificate.steps == index == 2
-    error = misses(observer)
-    assert np.abs(error[index - 1]).max() > 1e-3
-    assert np.abs(error[index:]).max() < tolerances.of("double")
-
-
 @pytest.mark.parametrize("name", ["sign of L A11", "sign of F L", "A21 left out", "B2 + L B1", "sign of L A12"])
 def test_a_planted_defect_of_the_recursion_is_seen(name: str) -> None:
     for model, measured in ((random_model(3), ("y0", "x2")), (HELD, ("x",))):
-        good = reduced_observer.by_poles(model, measured, spread_poles(len(model.A) - len(measured)))
+        good = by_poles(model, measured, spread_poles(len(model.A) - len(measured)))
         if name == "A21 left out" and model is HELD:  # whose A21 is 0
             continue
         assert np.abs(misses(good)[-1]).max() < tolerances.of("settled")
@@ -117,7 +103,7 @@ def test_a_planted_defect_of_the_recursion_is_seen(name: str) -> None:
 
 
 def test_a_direct_path_that_is_forgotten_is_seen() -> None:
-    good = reduced_observer.deadbeat(random_model(4), ("y0", "y1"))
+    good = by_poles(random_model(4), ("y0", "y1"), spread_poles(3))
     assert np.abs(misses(defects(good)["y for y - D u"])[5:]).max() > 1e-3
 
 
@@ -126,7 +112,7 @@ def test_a_continuous_observer_follows_every_input_without_error(seed: int) -> N
     """From u the estimates respond as the states do, at every s; the error alone decays with the poles."""
     model = random_model(seed, time=Continuous())
     expected = [-1.0, -2 + 1j, -2 - 1j]
-    design = reduced_observer.by_poles(model, ("y0", "y1"), expected)
+    design = by_poles(model, ("y0", "y1"), expected)
     s = np.array([0.3j, 2 + 1j, 40j])
     state = replace(model, C=np.eye(5), D=np.zeros((5, 2)), outputs=model.states).response(s)
 
@@ -144,14 +130,12 @@ def test_a_continuous_observer_follows_every_input_without_error(seed: int) -> N
 def test_random_models(seed: int, n: int, p: int, m: int) -> None:
     p = min(p, n - 1)
     model = random_model(seed, n, m, p)
-    observer = reduced_observer.by_poles(model, model.outputs, spread_poles(n - p))
-    nilpotent = reduced_observer.deadbeat(model, model.outputs)
+    observer = by_poles(model, model.outputs, spread_poles(n - p))
     assert np.abs(misses(observer, 120)[-1]).max() < 1e-6
-    assert np.abs(misses(nilpotent, 30)[n - p :]).max() < 1e-6
 
 
 def test_measured_states_pass_through_exactly_and_keep_their_units() -> None:
-    form = reduced_observer.by_poles(HELD, "x", [0.5]).state_space()
+    form = by_poles(HELD, "x", [0.5]).state_space()
     assert (form.inputs, form.outputs, form.states) == (("x", "i"), ("x_estimate", "v_estimate"), ("v_x3",))
     assert [form.unit(n) for n in (*form.outputs, *form.states, *form.inputs)] == ["m", "m/s", "m/s", "m", "A"]
     np.testing.assert_array_equal(form.D[0], [1, 0])
@@ -188,7 +172,7 @@ def test_measured_signals_that_make_no_observer(measured: Sequence[str], kind: t
     model = random_model(5, p=4)
     C = np.array([model.C[0], model.C[1], 1e-6 * model.C[0], 0 * model.C[0]])
     with pytest.raises(kind, match=text):
-        reduced_observer.deadbeat(replace(model, C=C), measured)
+        reduced_observer.from_gain(replace(model, C=C), measured, [[1.0]])
 
 
 def test_a_mode_that_is_not_shown_is_named() -> None:
@@ -198,32 +182,9 @@ def test_a_mode_that_is_not_shown_is_named() -> None:
     with pytest.raises(
         ModelError, match=r"\(A12, A22\) is not detectable: mode 1 in r .* for the measured p: measure r"
     ):
-        reduced_observer.by_poles(model, "p", [0.1, 0.2])
-    with pytest.raises(ModelError, match=r"mode 0\.5 in q is not 0 and not observable from p, r: no gain is deadbeat"):
-        reduced_observer.deadbeat(model, ("p", "r"))
-    stays = reduced_observer.by_poles(model, ("p", "r"), [])
+        by_poles(model, "p", [0.1, 0.2])
+    stays = by_poles(model, ("p", "r"), [])
     np.testing.assert_array_equal(stays.poles, [0.5])
-    with pytest.raises(SignalError, match=r"number of poles for q is 1: give 0 without the uncontrollable 0\.5"):
-        reduced_observer.by_poles(model, ("p", "r"), [0.1])
-
-
-@pytest.mark.parametrize(
-    ("poles", "kind", "text"),
-    [
-        ([0.5], SignalError, "number of poles for .* is 1: give 3"),
-        ([0.5, 0.1, 0.2 + 0.1j], SignalError, "has no conjugate"),
-        ([0.5, 0.1, np.nan], SignalError, "finite"),
-        ([0.5, 0.1, -1.0], ModelError, r"pole -1 does not decay: ask for poles with \|z\| < 1"),
-    ],
-)
-def test_poles_that_cannot_be_asked_for(poles: list[complex], kind: type[Exception], text: str) -> None:
-    with pytest.raises(kind, match=text):
-        reduced_observer.by_poles(random_model(6), ("y0", "y1"), poles)
-
-
-def test_deadbeat_wants_sampled_time() -> None:
-    with pytest.raises(TimingError, match="no observer is deadbeat in continuous time: sample the model"):
-        reduced_observer.deadbeat(CART, "x")
 
 
 @pytest.mark.parametrize(
@@ -247,20 +208,10 @@ def test_a_given_gain_in_continuous_time() -> None:
         reduced_observer.from_gain(CART, "x", -2)
 
 
-def test_gains_agree_with_python_control() -> None:
-    model = random_model(7)
-    part = reduced_partition.of_model(model, "y0")
-    observer = reduced_observer.by_poles(model, "y0", spread_poles(4))
-    theirs = np.ravel(control.acker(part.A22.T, part.A12.T, spread_poles(4)))
-    np.testing.assert_allclose(observer.L[:, 0], theirs, rtol=tolerances.of("placed"))
-    assert isinstance(observer.certificate, pole_placement.Placement)
-    assert observer.certificate.error < tolerances.of("placed")
-
-
 def test_a_late_input_is_estimated_or_measured() -> None:
     late = discretise.delay_samples(HELD)
-    observer = reduced_observer.by_poles(late, "x", [0.2, 0.3])
-    known = reduced_observer.by_poles(late, ("x", "i_late1"), [0.3])
+    observer = by_poles(late, "x", [0.2, 0.3])
+    known = by_poles(late, ("x", "i_late1"), [0.3])
     assert (observer.estimated_states, known.estimated_states) == (("v", "i_late1"), ("v",))
     assert max(np.abs(misses(o)[-1]).max() for o in (observer, known)) < tolerances.of("settled")
 
@@ -268,42 +219,35 @@ def test_a_late_input_is_estimated_or_measured() -> None:
 def test_any_system_is_read_and_the_result_prints_itself() -> None:
     model = random_model(8)
     arrays = (model.A, model.B, model.C, model.D, model.time)
-    first = reduced_observer.deadbeat(model, ("y0", "y1"))
+    first = by_poles(model, ("y0", "y1"), spread_poles(3))
     for system, measured in ((model.to_control(), ("y0", "y1")), (arrays, ("y1", "y2"))):
-        observer = reduced_observer.deadbeat(system, measured)
-        np.testing.assert_array_equal(observer.L, first.L)
-    text = repr(reduced_observer.by_poles(HELD, "x", [0.25]))
+        observer = reduced_observer.from_gain(system, measured, first.L)
+        np.testing.assert_array_equal(observer.F, first.F)
+    text = repr(by_poles(HELD, "x", [0.25]))
     assert "Reduced-order observer of v from x, discrete time of 0.01 s" in text
     assert "Poles of the error: 0.25" in text
     assert "v [m/s]" in text and "next v_x3" in text
     assert "d/dt v_x3" in repr(reduced_observer.from_gain(CART, "x", 5))
-    assert "after 2 samples" in repr(first)
 
 
 @pytest.mark.parametrize("time", [Continuous(), Discrete(T)])
 def test_a_model_without_states_has_nothing_to_estimate(time: Continuous | Discrete) -> None:
     none = np.zeros((0, 0))
     model = StateSpace(none, np.zeros((0, 1)), np.zeros((1, 0)), [[0.0]], (), ("u",), ("y",), time)
-    for make in (
-        lambda: reduced_observer.from_gain(model, "y", [[1.0]]),
-        lambda: reduced_observer.by_poles(model, "y", []),
-        lambda: reduced_observer.by_riccati(model, "y", none),
-        lambda: reduced_observer.deadbeat(model, "y"),
-    ):
-        with pytest.raises(ModelError, match="the model has no states: nothing is left to estimate"):
-            make()
+    with pytest.raises(ModelError, match="the model has no states: nothing is left to estimate"):
+        reduced_observer.from_gain(model, "y", [[1.0]])
 
 
 @pytest.mark.parametrize("measured", [np.array([["y1"]]), [["y1"]], np.array([[1.0, 2.0]]), [None]])
 def test_measured_signals_in_a_matrix_are_refused(measured: list[str]) -> None:
     plant = ([[0, 1.0], [0, 0]], [[0], [1.0]], [[1.0, 0]])
     with pytest.raises(SignalError, match=r"`measured` of .*: give a list of names"):
-        reduced_observer.by_poles(plant, measured, [-1.0])
+        reduced_observer.from_gain(plant, measured, [[1.0]])
 
 
 @pytest.mark.parametrize("g", [1e3, 1e6])
 def test_a_slow_mode_beside_a_fast_one_is_accepted(g: float) -> None:
     """The poles are -g and -1 / g: the second is slow beside the first, and exact."""
     model = ([[0, g, 0], [0, -1e-3, 1 / g], [0, 0, 0]], [[0], [1], [0]], [[1, 0, 0]], [[0]])
-    poles = synthesise.reduced_kalman(model, ["x1"], np.eye(3)).poles
+    poles = reduced_observer.from_gain(model, ["x1"], [[1.0], [1.0]]).poles
     assert poles.real == pytest.approx([-g, -1 / g], rel=2e-3)

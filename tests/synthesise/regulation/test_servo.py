@@ -18,6 +18,7 @@ from synth.synthesise.observers import kalman
 from synth.synthesise.regulation import anti_windup, internal_model, optimal_servo, servo
 from synth.timing import Continuous, Discrete
 from tests import tolerances
+from tests.synthesise.observers.models import full_order_observer
 
 OMEGA0 = 1.5 * np.pi
 T = 0.01
@@ -190,7 +191,7 @@ def test_an_observer_adds_its_poles_and_leaves_no_error() -> None:
     regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
     plant = regulator.plant
     L = scipy.signal.place_poles(plant.A.T, plant.C.T, [0.5, 0.6]).gain_matrix.T
-    seen = servo.with_observer(regulator, L)
+    seen = servo.with_estimator(regulator, full_order_observer(plant, L))
     expected = np.sort_complex([0.5, 0.6, *regulator.poles])
     np.testing.assert_allclose(np.sort_complex(seen.poles), expected, rtol=tolerances.of("lyapunov"))
     assert seen.steady.vanishes
@@ -199,10 +200,8 @@ def test_an_observer_adds_its_poles_and_leaves_no_error() -> None:
     assert seen.controller.unit("force_command") == "m/s^2"
     heavier = replace(plant, B=plant.B * 0.9)
     assert seen.steady_error_with(heavier).vanishes
-    with pytest.raises(SignalError, match=r"L is \(1, 2\): give \(2, 1\), states by the outputs gap"):
-        servo.with_observer(regulator, L.T)
     with pytest.raises(ModelError, match="and an estimator whose error decays"):
-        servo.with_observer(regulator, -L)
+        servo.with_estimator(regulator, full_order_observer(plant, -L))
 
 
 def test_an_estimator_with_a_direct_term_from_what_is_measured() -> None:
@@ -237,7 +236,7 @@ def test_the_states_of_an_estimator_keep_their_units() -> None:
     )
     assert (current["gap_predicted"], current["speed_predicted"]) == ("m", "m/s")
     assert (predictor["gap_estimate"], predictor["speed_estimate"]) == ("m", "m/s")
-    by_hand = servo.with_observer(regulator, [[0.9], [20.0]]).controller.units
+    by_hand = servo.with_estimator(regulator, full_order_observer(regulator.plant, [[0.9], [20.0]])).controller.units
     assert (by_hand["gap_estimate"], by_hand["speed_estimate"]) == ("m", "m/s")
 
 

@@ -55,17 +55,17 @@ def test_the_published_solutions_come_out() -> None:
 
 
 def test_an_input_without_weight_gives_the_gain_that_scipys_equation_gives() -> None:
-    gain = lqr.dlqr(*problems.darex_1())
+    gain = lqr.lqr(*problems.darex_1())
     np.testing.assert_allclose(gain.K, [[-2, 1]], atol=1e-14)  # deadbeat
     with pytest.raises(ModelError, match=r"does not see the mode 1, which lies on the stability boundary"):
-        lqr.dlqr((np.diag([1.0, 0.5]), np.ones((2, 1)), SAMPLED), [0.0, 1.0], [0.0])
-    mirrored = lqr.dlqr((np.diag([2.0, 0.5]), np.ones((2, 1)), SAMPLED), [0.0, 1.0], [0.0])
+        lqr.lqr((np.diag([1.0, 0.5]), np.ones((2, 1)), SAMPLED), [0.0, 1.0], [0.0])
+    mirrored = lqr.lqr((np.diag([2.0, 0.5]), np.ones((2, 1)), SAMPLED), [0.0, 1.0], [0.0])
     assert mirrored.certificate.mirrored == pytest.approx((2,)) and mirrored.poles.real.max() == pytest.approx(0.5)
 
 
 def test_inputs_that_the_cost_does_not_distinguish_are_refused() -> None:
     with pytest.raises(ModelError, match=r"R \+ B'XB is singular: the cost does not distinguish the inputs u1, u2"):
-        lqr.dlqr((2 * np.eye(1), np.ones((1, 2)), SAMPLED), [1.0], np.zeros((2, 2)))
+        lqr.lqr((2 * np.eye(1), np.ones((1, 2)), SAMPLED), [1.0], np.zeros((2, 2)))
 
 
 # What the result says
