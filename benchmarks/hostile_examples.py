@@ -72,10 +72,6 @@ def example_linear(theta: Any) -> Any:
     return (J @ theta)[:, None], J[:, None, :]
 
 
-def example_loop(values: Mapping[str, float]) -> Any:
-    return ([[-values["k"]]], [[values["k"]]], [[1.0]])
-
-
 def model(A: Any, B: Any, C: Any, D: Any, x: Any, u: Any, y: Any, time: Time, units: Any = None) -> StateSpace:
     """Return a model from lists."""
     return StateSpace(np.array(A), np.array(B), np.array(C), np.array(D), x, u, y, time, units or {})

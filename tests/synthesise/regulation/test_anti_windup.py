@@ -18,8 +18,7 @@ from tests.synthesise.observers.models import full_order_observer
 T = 0.01
 OMEGA0 = 1.5 * np.pi
 DOUBLE = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("gap", "speed"), ("f",), ("gap",), Continuous())
-X_AXIS = np.diag([1500, 1500, 4.5e8, 2.25e6, 2.25e6])  # F: its zeros from the error decay, those of the y axis do not
-Y_AXIS = np.diag([3e4, 3e4, 2.5e9, 2.5e7, 2.5e7])
+X_AXIS = np.diag([1500, 1500, 4.5e8, 2.25e6, 2.25e6])  # F
 
 
 def two_axes(period: float | None = None, exosystem: internal_model.Exosystem = (0.0, 3.0)) -> servo.Servo:
