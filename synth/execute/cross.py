@@ -3,10 +3,10 @@
     cortex-m4f    Armv7E-M, FPv4-SP: float in hardware, double in software
     cortex-m7     Armv7E-M, FPv5-D16: float and double in hardware
 
-An image is linked from its entry points alone, without start-up code; the linker drops unreachable functions, and no
-library is linked where what remains calls none, as most emitted steps. All products are stored in the cache of
-`compile`. The first image that zig links for a core with libm also builds musl, in the cache of zig, which takes most
-of a minute. Flags that change how a library is built, such as -O0 or -s, make zig build musl again.
+An image is linked from its entry points alone, without start-up code; the linker drops unreachable functions. Most
+emitted C calls the compiler's own run-time library alone, and is linked with no other. All products are stored in the
+cache of `compile`. The first image that zig links for a core with libm also builds musl, in the cache of zig, which
+takes most of a minute. Flags that change how a library is built, such as -O0 or -s, make zig build musl again.
 """
 
 import re
@@ -30,6 +30,9 @@ _ZIG_TARGET = ("-target", "thumb-linux-musleabihf", "-fno-sanitize=undefined", "
 # gcc would predicate both sides of a short branch and fetch both: real branches issue 2 to 6 % fewer instructions.
 _GCC_TARGET = ("-mthumb", "-mfloat-abi=hard", "-fno-if-conversion2", "-nostartfiles", "--specs=nosys.specs")
 
+# What zig's own run-time library has beside arithmetic, whose names begin with __. It has functions of libm, too, which
+# round otherwise than musl's: it serves images that call none.
+_MEMORY = {"memset", "memcpy", "memmove", "memcmp"}
 # The run-time functions of double arithmetic: the Arm ABI's names, then those of libgcc and compiler-rt.
 _DOUBLE_RUNTIME = re.compile(r"__aeabi_(c?d\w+|(f|h|i|ui|l|ul)2d)|__\w*df\w*|__\w+dc3")
 _DOUBLE_MATH = re.compile(
@@ -109,10 +112,10 @@ def link(
     roots = [f"-Wl,-e,{entries[0]}", *(f"-Wl,-u,{entry}" for entry in entries[1:])]
     options = [*FLAGS, *SECTIONS, *flags, "-static", "-Wl,--gc-sections", *roots]
     compiled, chosen = objects(sources, core, compiler, flags), find_compiler(core, compiler)
-    try:
-        return host_compiler.link(compiled, [*options, "-nostdlib"], "image.elf", chosen)
-    except CompileError:
-        return host_compiler.link(compiled, options, "image.elf", chosen, libraries=("-lm",))
+    called = frozenset().union(*map(elf.undefined_symbols, compiled)).difference(*map(elf.defined_functions, compiled))
+    if compiler == "zig" and all(symbol.startswith("__") or symbol in _MEMORY for symbol in called):
+        return host_compiler.link(compiled, [*options, "-nostdlib"], "image.elf", chosen, ("-lcompiler_rt",))
+    return host_compiler.link(compiled, options, "image.elf", chosen, ("-lm",))
 
 
 def objects(
