@@ -1,4 +1,7 @@
-"""The stage of tests/workspaces under hand-made laws and under axes, imported beside this repository's designs."""
+"""The levitator under two laws: the shipped `levitator_2dof`, and PID composed by hand in a workspace of the tests.
+
+Both take the physics from models/levitator.py.
+"""
 
 import importlib
 import sys

@@ -25,7 +25,6 @@ PLAN = Sampling(5, 3)
 @pytest.fixture
 def laws(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """A workspace with the two PID laws and with them again, of a tenth of the integral gain of z."""
-    shutil.copytree(levitator.FOLDER / "models", tmp_path / "models")
     for name in NAMES:
         folder = tmp_path / "designs" / name
         shutil.copytree(levitator.FOLDER / "designs" / NAMES[0], folder)
@@ -58,7 +57,7 @@ def test_the_tables_fit_a_terminal(laws: Path, capsys: pytest.CaptureFixture[str
 
 
 def loaded(*names: str) -> tuple[Design, Design]:
-    first, second = (workspace.designs(levitator.FOLDER, [name])[0] for name in names)
+    first, second = (levitator.design(name).DESIGN for name in names)
     return first, second
 
 

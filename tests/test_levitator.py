@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from tests import levitator, tools
+from tests import tools
 
 ROOT = Path(__file__).parents[1]
 NAME = "levitator_2dof"
-MOST = 90  # lines of design and experiments
+MOST = 120  # lines of design and experiments
 
 pytestmark = [pytest.mark.slow, pytest.mark.whole]
 
@@ -23,8 +23,9 @@ pytestmark = [pytest.mark.slow, pytest.mark.whole]
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the physics and this one design."""
     root = tmp_path_factory.mktemp("workspace")
-    shutil.copytree(levitator.FOLDER / "models", root / "models")
-    shutil.copytree(levitator.FOLDER / "designs" / NAME, root / "designs" / NAME)
+    (root / "models").mkdir()
+    shutil.copy(ROOT / "models" / "levitator.py", root / "models")
+    shutil.copytree(ROOT / "designs" / NAME, root / "designs" / NAME)
     return root
 
 
@@ -42,7 +43,7 @@ def documents(workspace: Path, *arguments: str) -> list[dict]:
 
 
 def test_design_and_experiments_are_short() -> None:
-    files = (levitator.FOLDER / "designs" / NAME).glob("*.py")
+    files = (ROOT / "designs" / NAME).glob("*.py")
     lines = {path.name: len(path.read_text(encoding="utf-8").splitlines()) for path in files}
     assert sum(n for name, n in lines.items() if name != "reference.py") <= MOST
 
