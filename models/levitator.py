@@ -42,5 +42,9 @@ def plant() -> Plant:
     """Return the levitator with currents in A and the hum in N."""
     z, x = (Signal(n, "m", low, high, f"position along {n}") for n, (low, high) in STOPS.items())
     states = [z, Signal("vz", "m/s", -0.2, 0.2), x, Signal("vx", "m/s", -0.5, 0.5)]
-    inputs = [Signal("i1", "A", -3, 3, "coil of the magnet"), Signal("i2", "A", -2, 2, "voice coil")]
-    return build("levitator", states, [*inputs, Signal("hum", "N", -0.5, 0.5, "mains")], [z, x], PARAMETERS, _physics)
+    inputs = [
+        Signal("i1", "A", -3, 3, "coil of the magnet"),
+        Signal("i2", "A", -2, 2, "voice coil"),
+        Signal("hum", "N", -0.5, 0.5, "force of the mains on x"),
+    ]
+    return build("levitator", states, inputs, [z, x], PARAMETERS, _physics)

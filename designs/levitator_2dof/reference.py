@@ -28,9 +28,10 @@ Columns = Mapping[str, Array]
 Matrix = Any  # of mpmath
 
 T = 1 / 2000
-HUM, COURSE, WINDUP = 100 * pi, 20 * pi, 30.0
+MAINS, SCAN, WINDUP = 100 * pi, 20 * pi, 30.0
 M, F0, K, ELL, G, MASS, COIL, DAMPING, SPRING = 1.5, 14.0, 20.0, 5e-3, 9.81, 0.3, 8.0, 1.0, 400.0
-LIMITS = {"z": (-6e-4, 6e-4), "x": (-1e-3, 1e-3), "z_ref": (-5e-4, 5e-4), "x_ref": (-8e-4, 8e-4)}
+LIMITS = {"z": (-7e-4, 7e-4), "x": (-1.1e-3, 1.1e-3), "z_ref": (-5e-4, 5e-4), "x_ref": (-8e-4, 8e-4)}
+STOPS = (-6e-4, 6e-4)  # m, of z: the field is known between them
 CURRENTS = {"i1": 3.0, "i2": 2.0}
 MADE = 51.0  # m/s^2, of z'': what the coil can make in the box of the stage
 SLEW, BAD_SAMPLES = 100.0, 4
@@ -51,29 +52,29 @@ class Axis:
 
 
 AXES = {
-    "z": Axis([[0, 1], [0, 0]], [0, 1], {0.0: 25.0, COURSE: 20.0}, (1e8, 1e3), 1e-2, 3e-5, 1e-14, 0.6),
+    "z": Axis([[0, 1], [0, 0]], [0, 1], {0.0: 25.0, SCAN: 20.0}, (1e8, 1e3), 1e-2, 3e-5, 1e-14, 0.6),
     "x": Axis(
-        [[0, 1], [-SPRING / MASS, -DAMPING / MASS]], [0, COIL / MASS], {0.0: 25.0, COURSE: 20.0, HUM: 20.0},
+        [[0, 1], [-SPRING / MASS, -DAMPING / MASS]], [0, COIL / MASS], {0.0: 25.0, SCAN: 20.0, MAINS: 20.0},
         (1e8, 1e2), 1e1, 1e-4, 1e-14, 0.5,
     ),
 }  # fmt: skip
 BOUNDS = {  # of the controller's states, as its manifest declares them
     "z": {
-        "sum": 0.31,
-        "p1": 0.0089,
-        "q1": 0.24,
-        "z_predicted": 1.2e-3,
-        "vz_predicted": 1.1,
+        "sum": 0.34,
+        "p1": 0.0096,
+        "q1": 0.26,
+        "z_predicted": 1.4e-3,
+        "vz_predicted": 1.3,
         "w_z_late1_predicted": 57.0,
     },
     "x": {
-        "sum": 0.49,
+        "sum": 0.51,
         "p1": 0.014,
-        "q1": 0.39,
-        "p2": 0.069,
-        "q2": 0.45,
-        "x_predicted": 2.2e-3,
-        "vx_predicted": 2.5,
+        "q1": 0.41,
+        "p2": 0.073,
+        "q2": 0.48,
+        "x_predicted": 2.4e-3,
+        "vx_predicted": 2.8,
         "i2_late1_predicted": 2.3,
     },
 }
@@ -197,7 +198,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     for s, current in (("z", "i1"), ("x", "i2")):
         u, position, next_eta, ahead = servo(s, values, state)
         if s == "z":
-            field = np.exp(np.clip(position, *LIMITS["z"]) / ELL)
+            field = np.exp(np.clip(position, *STOPS) / ELL)
             demand = (M * (u + G) / field - F0) / K
             computed[current] = np.clip(demand, -CURRENTS[current], CURRENTS[current])
             excess = K * field / M * (computed[current] - demand)

@@ -49,7 +49,7 @@ def test_a_step_is_measured_from_the_sample_at_which_it_comes(rig: Rig) -> None:
 
 
 def test_a_track_starts_on_its_course_and_takes_a_limit_for_each(rig: Rig) -> None:
-    course = Sine(2e-4, DESIGN.COURSE, np.pi / 2)
+    course = Sine(2e-4, DESIGN.SCAN, np.pi / 2)
     run = Track({"z_ref": course, "x_ref": 1e-4}, {"z_ref": 1e-7, "x_ref": 1e-12}, 0.6, 0.5).run(rig)
     assert run.trajectory["z"][0] == 2e-4 and run.trajectory["x"][0] == 1e-4
     error = run.trajectory["z"] - course(run.trajectory.time)
@@ -61,7 +61,7 @@ def test_an_internal_model_leaves_nothing_of_the_hum_that_it_holds(rig: Rig) -> 
     """The same force at another frequency stays."""
     held, other = (
         Hold({"x_ref": 1e-6}, 2.0, 1.5, Conditions(disturbances={"hum": Sine(0.2, w)})).run(rig)
-        for w in (DESIGN.HUM, 0.8 * DESIGN.HUM)
+        for w in (DESIGN.MAINS, 0.8 * DESIGN.MAINS)
     )
     assert checks(held)["largest |e_x|"].passed and not checks(other)["largest |e_x|"].passed
     assert checks(other)["largest |e_x|"].value > 20 * checks(held)["largest |e_x|"].value

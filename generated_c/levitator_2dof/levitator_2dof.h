@@ -1,0 +1,153 @@
+/* levitator_2dof: one step every 0.0005 s, float. Generated: do not edit.
+ *
+ * Call levitator_2dof_init once, then levitator_2dof_step once every 0.0005 s with the inputs of that sample. Nothing
+ * else may change the state.
+ *
+ * Apply the outputs 1 sample, 0.0005 s, after the inputs of their sample were measured, neither sooner nor later, and
+ * hold them until the next outputs are due. Margins and simulations assume this delay.
+ *
+ * The three pointers must not be null and must point to objects that do not overlap. One state serves one machine;
+ * steps on different states may run at the same time.
+ *
+ * When a measurement is refused in 4 samples in a row, the step latches in the last of them until init, and the outputs
+ * move to the safe output: i1, i2 to 0 A at 100 A/s.
+ *
+ * What this does to the machine:
+ *   - without current the stage comes down to its stop and the flexure centres x
+ *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
+ *     machine reaches 0.043 m/s (z) and hits a stop at 0.045 m/s (z)
+ *   - in motion the machine reaches 0.045 m/s (z) and hits a stop at 0.045 m/s (z)
+ *
+ * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
+ * machine at rest: the outputs of the first step after it are not slewed.
+ *
+ * A refused input is replaced by its last good value, and before its first good value by 0 m (z, x, z_ref, x_ref).
+ *
+ * What may fail, and what follows:
+ * what fails           | noticed by, and when              | used instead       | what follows
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * z or x not finite or | bits 0, 1; in that sample         | its last good      | the law goes on; 4 samples in a row,
+ * outside its range    |                                   | value              | of any of them: latches
+ * ---------------------+-----------------------------------+--------------------+--------------------------------------
+ * z_ref or x_ref not   | bits 2, 3; in that sample         | its last good      | the law goes on; never latches
+ * finite or outside    |                                   | value              |
+ * its range            |                                   |                    |
+ *
+ * At init the machine is at rest under the safe output, which acts until the first outputs of the step do.
+ *
+ * Signs of what a positive value accelerates, from the plant: i1 +z; i2 +x.
+ *
+ * The gains and numbers in levitator_2dof.c hold for one plant and one period: for other masses, geometry or magnets,
+ * or another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ *
+ * With LEVITATOR_2DOF_DIAGNOSTICS defined, for the .c as well, levitator_2dof_step_diagnosed also says which signals it
+ * computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
+ *
+ * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error. The source
+ * cannot see options that assume that no value is NaN or infinite, or that reorder sums, by other names, such as
+ * -fno-honor-nans or -funsafe-math-optimizations, nor -ffast-math of the linker: do not use them.
+ */
+#ifndef LEVITATOR_2DOF_H
+#define LEVITATOR_2DOF_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    float z;                            /* m, -0.0007 .. 0.0007: position along z */
+    float x;                            /* m, -0.0011 .. 0.0011: position along x */
+    float z_ref;                        /* m, -0.0005 .. 0.0005: set-point of z */
+    float x_ref;                        /* m, -0.0008 .. 0.0008: set-point of x */
+} levitator_2dof_input_t;
+
+typedef struct {
+    float i1;                           /* A, -3 .. 3: coil of the magnet */
+    float i2;                           /* A, -2 .. 2: voice coil */
+} levitator_2dof_output_t;
+
+typedef struct {
+    float guard_last_z;                 /* m, -0.0007 .. 0.0007: last good value */
+    float guard_last_x;                 /* m, -0.0011 .. 0.0011: last good value */
+    float guard_last_z_ref;             /* m, -0.0005 .. 0.0005: last good value */
+    float guard_last_x_ref;             /* m, -0.0008 .. 0.0008: last good value */
+    uint32_t guard_left;                /* 1, 1 .. 4: samples with a bad measurement until it latches */
+    uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
+    uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
+    float servo_z_sum;                  /* m, -0.34 .. 0.34 */
+    float servo_z_p1;                   /* m, -0.0096 .. 0.0096 */
+    float servo_z_q1;                   /* m, -0.26 .. 0.26 */
+    float servo_z_z_predicted;          /* m, -0.0014 .. 0.0014 */
+    float servo_z_vz_predicted;         /* m/s, -1.3 .. 1.3 */
+    float servo_z_w_z_late1_predicted;  /* m/s^2, -57 .. 57 */
+    uint32_t servo_z_started;           /* 1, 0 .. 1: the first sample is over */
+    float servo_x_sum;                  /* m, -0.51 .. 0.51 */
+    float servo_x_p1;                   /* m, -0.014 .. 0.014 */
+    float servo_x_q1;                   /* m, -0.41 .. 0.41 */
+    float servo_x_p2;                   /* m, -0.073 .. 0.073 */
+    float servo_x_q2;                   /* m, -0.48 .. 0.48 */
+    float servo_x_x_predicted;          /* m, -0.0024 .. 0.0024 */
+    float servo_x_vx_predicted;         /* m/s, -2.8 .. 2.8 */
+    float servo_x_i2_late1_predicted;   /* A, -2.3 .. 2.3 */
+    uint32_t servo_x_started;           /* 1, 0 .. 1: the first sample is over */
+    float safe_output_last_i1;          /* A, -3 .. 3: last output */
+    float safe_output_last_i2;          /* A, -2 .. 2: last output */
+} levitator_2dof_state_t;
+
+/* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(levitator_2dof_input_t) == 16u, "size of levitator_2dof_input_t");
+_Static_assert(sizeof(levitator_2dof_output_t) == 8u, "size of levitator_2dof_output_t");
+_Static_assert(sizeof(levitator_2dof_state_t) == 100u, "size of levitator_2dof_state_t");
+#else
+extern char levitator_2dof_input_size_is_16[(sizeof(levitator_2dof_input_t) == 16u) ? 1 : -1];
+extern char levitator_2dof_output_size_is_8[(sizeof(levitator_2dof_output_t) == 8u) ? 1 : -1];
+extern char levitator_2dof_state_size_is_100[(sizeof(levitator_2dof_state_t) == 100u) ? 1 : -1];
+#endif
+
+/* Put the state to its initial values. The caller owns it. */
+void levitator_2dof_init(levitator_2dof_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  z: not finite or outside its range
+ *   bit  1  x: not finite or outside its range
+ *   bit  2  z_ref: not finite or outside its range
+ *   bit  3  x_ref: not finite or outside its range
+ *   bit 31  latched until init
+ */
+uint32_t levitator_2dof_step(levitator_2dof_state_t *state, const levitator_2dof_input_t *in,
+    levitator_2dof_output_t *out);
+
+#if defined(LEVITATOR_2DOF_DIAGNOSTICS)
+/* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 i1_computed, 1 i2_computed. */
+typedef struct {
+    float z_error;                      /* m: z_ref less z */
+    float x_error;                      /* m: x_ref less x */
+    float w_z_command;                  /* m/s^2: before the limits */
+    float z_predicted;                  /* m: position along z */
+    float i1_demand;                    /* A: coil of the magnet */
+    float i1_excess;                    /* A: coil of the magnet */
+    float w_z_limited;                  /* m/s^2: what the actuators make of the demand */
+    float i2_demand;                    /* A: before the limits */
+    float i2_excess;                    /* A: voice coil */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} levitator_2dof_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t levitator_2dof_step_diagnosed(levitator_2dof_state_t *state, const levitator_2dof_input_t *in,
+    levitator_2dof_output_t *out, levitator_2dof_diagnostics_t *diagnostics);
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
