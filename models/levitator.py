@@ -41,10 +41,10 @@ def _physics(x: Symbols, u: Symbols, p: Symbols) -> tuple[dict[str, ca.SX], dict
 def plant() -> Plant:
     """Return the levitator with currents in A and the hum in N."""
     z, x = (Signal(n, "m", low, high, f"position along {n}") for n, (low, high) in STOPS.items())
-    states = [z, Signal("vz", "m/s", -0.2, 0.2), x, Signal("vx", "m/s", -0.5, 0.5)]
+    vz, vx = Signal("vz", "m/s", -0.2, 0.2, "velocity along z"), Signal("vx", "m/s", -0.5, 0.5, "velocity along x")
     inputs = [
         Signal("i1", "A", -3, 3, "coil of the magnet"),
         Signal("i2", "A", -2, 2, "voice coil"),
         Signal("hum", "N", -0.5, 0.5, "force of the mains on x"),
     ]
-    return build("levitator", states, inputs, [z, x], PARAMETERS, _physics)
+    return build("levitator", [z, vz, x, vx], inputs, [z, x], PARAMETERS, _physics)

@@ -1,8 +1,7 @@
 """A stage that a permanent magnet and a coil levitate in z, with a voice coil that moves it in x, at 2 kHz.
 
 The magnet carries most of the weight and pulls the more, the nearer the stage is: z is unstable without control. Both
-axes follow a sine of 10 Hz without an error, and x cancels the force of the mains at 50 Hz. This page is the whole
-declaration: the physics stands in models/levitator.py, the independent reference in reference.py beside this file.
+axes follow a sine of 10 Hz without an error, and x cancels the force of the mains at 50 Hz.
 """
 
 from collections.abc import Mapping

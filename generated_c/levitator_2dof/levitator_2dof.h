@@ -77,21 +77,21 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 4: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    float servo_z_sum;                  /* m, -0.34 .. 0.34 */
-    float servo_z_p1;                   /* m, -0.0096 .. 0.0096 */
-    float servo_z_q1;                   /* m, -0.26 .. 0.26 */
-    float servo_z_z_predicted;          /* m, -0.0014 .. 0.0014 */
-    float servo_z_vz_predicted;         /* m/s, -1.3 .. 1.3 */
-    float servo_z_w_z_late1_predicted;  /* m/s^2, -57 .. 57 */
+    float servo_z_sum;                  /* m, -0.34 .. 0.34: sum of the errors */
+    float servo_z_p1;                   /* m, -0.0096 .. 0.0096: internal model of 62.83 rad/s */
+    float servo_z_q1;                   /* m, -0.26 .. 0.26: internal model of 62.83 rad/s */
+    float servo_z_z_predicted;          /* m, -0.0014 .. 0.0014: estimate of the next sample */
+    float servo_z_vz_predicted;         /* m/s, -1.3 .. 1.3: estimate of the next sample */
+    float servo_z_w_z_late1_predicted;  /* m/s^2, -57 .. 57: limited command that acts next */
     uint32_t servo_z_started;           /* 1, 0 .. 1: the first sample is over */
-    float servo_x_sum;                  /* m, -0.51 .. 0.51 */
-    float servo_x_p1;                   /* m, -0.014 .. 0.014 */
-    float servo_x_q1;                   /* m, -0.41 .. 0.41 */
-    float servo_x_p2;                   /* m, -0.073 .. 0.073 */
-    float servo_x_q2;                   /* m, -0.48 .. 0.48 */
-    float servo_x_x_predicted;          /* m, -0.0024 .. 0.0024 */
-    float servo_x_vx_predicted;         /* m/s, -2.8 .. 2.8 */
-    float servo_x_i2_late1_predicted;   /* A, -2.3 .. 2.3 */
+    float servo_x_sum;                  /* m, -0.51 .. 0.51: sum of the errors */
+    float servo_x_p1;                   /* m, -0.014 .. 0.014: internal model of 62.83 rad/s */
+    float servo_x_q1;                   /* m, -0.41 .. 0.41: internal model of 62.83 rad/s */
+    float servo_x_p2;                   /* m, -0.073 .. 0.073: internal model of 314.2 rad/s */
+    float servo_x_q2;                   /* m, -0.48 .. 0.48: internal model of 314.2 rad/s */
+    float servo_x_x_predicted;          /* m, -0.0024 .. 0.0024: estimate of the next sample */
+    float servo_x_vx_predicted;         /* m/s, -2.8 .. 2.8: estimate of the next sample */
+    float servo_x_i2_late1_predicted;   /* A, -2.3 .. 2.3: limited command that acts next */
     uint32_t servo_x_started;           /* 1, 0 .. 1: the first sample is over */
     float safe_output_last_i1;          /* A, -3 .. 3: last output */
     float safe_output_last_i2;          /* A, -2 .. 2: last output */

@@ -98,10 +98,26 @@ def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
         _with_negated_error(selected).renamed(names),
         inputs=inputs,
         outputs=[command.signal(bound), *predicted.values()],
-        states=[Signal(n, model.unit(n) or "1", -b, b) for n, b in zip(model.states, bounds, strict=True)],
+        states=[
+            Signal(n, model.unit(n) or "1", -b, b, _description(n, axis))
+            for n, b in zip(model.states, bounds, strict=True)
+        ],
         tag=f"servo of {axis.output}",
         start=_start(regulator, interface),
     )
+
+
+def _description(state: str, axis: Axis) -> str:
+    """Return what a state of the controller is, for the header of the C and the report."""
+    if state == leapfrog_form.SUM:
+        return "sum of the errors"
+    frequencies = sorted(w for w in axis.modes if w)
+    oscillators = {f"{letter}{k}": w for k, w in enumerate(frequencies, 1) for letter in "pq"}
+    if state in oscillators:
+        return f"internal model of {oscillators[state]:.4g} rad/s"
+    if state.removesuffix("_predicted") in axis.model.states:
+        return "estimate of the next sample"
+    return "limited command that acts next"
 
 
 def _with_negated_error(model: StateSpace) -> StateSpace:

@@ -82,7 +82,8 @@ def margin_text(check: Check) -> str:
         return "" if check.passed else "missed"
     if fraction < -1:
         return f"missed, {number(check.value / check.limit, 2)} times the limit"
-    share = f"{number(100 * abs(fraction), 2)} %"
+    percent = 100 * abs(fraction)
+    share = f"{percent:.0f} %" if percent >= 10 else f"{number(percent, 2)} %"
     return f"{share} left" if check.passed else f"missed by {share}"
 
 

@@ -57,6 +57,8 @@ def test_a_failed_check_among_many_has_a_row_of_its_own() -> None:
         (Check("a", math.nan, 1.0, "1"), "not measured"),
         (Check("a", 2.0, math.inf, "1"), ""),
         (Check("a", -3.0, -2.0, "1"), "50 % left"),
+        (Check("a", 9.4e-5, 0.05, "1"), "100 % left"),
+        (Check("a", 0.9976, 1.0, "1"), "0.24 % left"),
         (Check("a", 0.5, 1.0, "1", at_least=True), "missed by 50 %"),
         (Check("a", math.inf, 0.5, "s"), "missed"),
         (Check("a", 30.0, 10.0, "s"), "missed, 3 times the limit"),
