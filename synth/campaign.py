@@ -1,7 +1,7 @@
 """Fault campaign and study of a stage as declared: motion, magnitudes and limits of faults (FMEA); limits of a study.
 
 A stage without such a declaration has the default one, without limits. `simulate.campaign` runs it. What it measured
-after the latch may be committed as `SafeOutput`, which the C header, the manifest and the README quote.
+after the latch may be committed as `SafeOutput`, which the C header and the manifest quote.
 """
 
 import json

@@ -64,8 +64,11 @@ def loaded(*names: str) -> tuple[Design, Design]:
 def test_what_does_not_compare_is_refused() -> None:
     with pytest.raises(DesignError, match="with itself: name another design"):
         comparison.plan_of(loaded(NAMES[0], NAMES[0]), PLAN, ())
+    first, second = loaded("levitator_2dof", NAMES[0])
+    assert first.stage is not None and second.stage is not None
+    same_sensors = replace(first, stage=replace(first.stage, controller=second.stage.controller))
     with pytest.raises(DesignError, match="no experiment of the same name"):
-        comparison.plan_of(loaded("levitator_2dof", NAMES[0]), PLAN, ())
+        comparison.plan_of((same_sensors, second), PLAN, ())
 
 
 def test_designs_of_other_machines_are_refused() -> None:

@@ -64,6 +64,14 @@ def test_the_links_of_the_readme_lead_somewhere() -> None:
     assert links and [link for link in links if not (ROOT / link).exists()] == []
 
 
+def test_the_readme_quotes_the_declaration() -> None:
+    """What it leaves out stands as `# ...`."""
+    (quoted,) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.M | re.S)
+    declaration = (ROOT / "designs" / "levitator_2dof" / "design.py").read_text(encoding="utf-8")
+    pieces = re.split(r"^ *# \.\.\.\n", quoted, flags=re.MULTILINE)
+    assert len(pieces) > 1 and [piece for piece in pieces if piece not in declaration] == []
+
+
 def test_the_names_beside_matlabs_are_there() -> None:
     pages_of_names = read("coming-from.md") + read("library.md")
     for module, function in re.findall(r"`((?:analyse|synthesise)[a-z_.]*)\.([a-z_0-9]+)`", pages_of_names):

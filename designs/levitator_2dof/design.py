@@ -45,6 +45,9 @@ FREE = [  # what `synth tune` may change: initial value, least and largest value
     FreeParameter("damping_x", 1e2, 1e1, 1e5, "s^2/m^2", "weight of vx"),
     FreeParameter("set_point_weight_x", 0.5, 0.0, 1.0, "1", "weight of the set-point"),
 ]
+HEAVY, STIFF = (Conditions(parameters=p) for p in (levitator.HEAVY, levitator.STIFF))
+HUMMING = Conditions(disturbances={"hum": Sine(0.2, MAINS)})  # N
+ON_ITS_STOP = Conditions(start={"z": levitator.STOPS["z"][0]})
 
 
 def axes(p: Mapping[str, float]) -> tuple[axis.ServoLaw, axis.ServoLaw]:
@@ -90,13 +93,13 @@ DESIGN = stage.design(
         "disk_margin": 0.32,
     },
     experiments=[
-        StepResponse("z_ref", 3e-4, overshoot=0.05, settling_time_s=0.2),
+        StepResponse("z_ref", 3e-4, overshoot=0.05, settling_time_s=0.2),  # m; of the step; to within 2 %
         StepResponse("x_ref", 5e-4, overshoot=0.05, settling_time_s=0.2),
-        StepResponse("z_ref", 3e-4, 0.1, 0.2, conditions=Conditions(parameters=levitator.HEAVY), label="heavy"),
-        StepResponse("x_ref", 5e-4, 0.1, 0.2, conditions=Conditions(parameters=levitator.STIFF), label="stiff"),
+        StepResponse("z_ref", 3e-4, overshoot=0.1, settling_time_s=0.2, conditions=HEAVY, label="heavy"),
+        StepResponse("x_ref", 5e-4, overshoot=0.1, settling_time_s=0.2, conditions=STIFF, label="stiff"),
         Track({"z_ref": Sine(3e-4, SCAN), "x_ref": Sine(5e-4, SCAN, pi / 2)}, mean_error=2e-7),
-        Hold({"z_ref": 2e-7, "x_ref": 5e-7}, 2.0, 1.5, Conditions(disturbances={"hum": Sine(0.2, MAINS)})),  # N
-        LiftOff({"z_ref": 0.0}, ramp_s=0.2, overshoot=0.05, error=2e-7, conditions=Conditions(start={"z": -6e-4})),
+        Hold({"z_ref": 2e-7, "x_ref": 5e-7}, duration_s=2.0, after_s=1.5, conditions=HUMMING),  # largest errors, m
+        LiftOff({"z_ref": 0.0}, ramp_s=0.2, overshoot=0.05, error=2e-7, conditions=ON_ITS_STOP),
     ],
     study=StudyLimits(0.95, {"*: *|e_?|*": 2e-6}),  # share of machines; m, with the errors of the sensors' calibration
     stops=levitator.STOPS,

@@ -1,4 +1,4 @@
-"""What README, C header and manifest say of the safe output is what the fault campaign measures today.
+"""What the documentation, C header and manifest say of the safe output is what the fault campaign measures today.
 
 A closed loop with encoders is reproducible in its metrics, to about 1 %, and not to the last digit.
 """
@@ -16,7 +16,8 @@ from synth.commands import SAFE_OUTPUT
 pytestmark = pytest.mark.whole
 
 ROOT = Path(__file__).parents[2]
-CLOSED = ("maglev_5dof", "maglev_5dof_precise", "planar_6dof_leadlag", "planar_6dof_lqg")
+PAGE = ROOT / "docs" / "howto" / "judge-faults-on-the-machine.md"
+CLOSED = ("levitator_2dof", "maglev_5dof", "maglev_5dof_precise", "planar_6dof_leadlag", "planar_6dof_lqg")
 DIGITS = 0.03  # relative: three digits, and 1 % of a closed loop
 SLOW = 1e-3  # of a unit per second: below it a speed is compared as such
 
@@ -44,9 +45,9 @@ def differences(one: SafeOutput, other: SafeOutput) -> list[str]:
 
 
 @pytest.mark.parametrize("name", CLOSED)
-def test_readme_header_and_manifest_quote_the_figures(name: str) -> None:
+def test_page_header_and_manifest_quote_the_figures(name: str) -> None:
     text, folder = committed(name).text(), ROOT / "generated_c" / name
-    assert f"| `{name}` | {text} |" in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"| `{name}` | {text} |" in PAGE.read_text(encoding="utf-8")
     header = " ".join((folder / f"{name}.h").read_text(encoding="utf-8").replace("\n * ", " ").split())
     assert all(clause in header for clause in text.split("; "))
     assert text in json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["safety"]["safe_output_effect"]
