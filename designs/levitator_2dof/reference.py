@@ -94,7 +94,7 @@ class Gains:
     propagate: Array
     drive: Array
     E: Array
-    on_r: float
+    on_r: Array
 
 
 def weight_of_modes(modes: Mapping[float, float], weight: float) -> Matrix:
@@ -159,8 +159,8 @@ def gains(name: str) -> Gains:
         on_x, on_eta = K_x * A_T + K_xi * N_T * C, K_xi * R * turn
         numbers = (A_T, B_T, A_T * correction, correction, on_x, K_x * B_T, on_eta, turn, drive)
         E = observer_gain(turn, on_eta, modes)
-        doubles = [np.array(v.tolist(), dtype=np.float64) for v in (*numbers, E)]
-        return Gains(*doubles, float(-axis.set_point_weight * on_x[0]))
+        on_r = mpmath.matrix([-axis.set_point_weight * on_x[0]])
+        return Gains(*(np.array(v.tolist(), dtype=np.float64) for v in (*numbers, E, on_r)))
 
 
 def initial_state() -> dict[str, Array]:
@@ -174,7 +174,7 @@ def along(matrix: Array, *columns: Array) -> Array:
     return np.einsum("ij,j...->i...", matrix, np.stack(np.broadcast_arrays(*columns)))
 
 
-def servo(s: str, values: Columns, state: Columns) -> tuple[Array, Array, dict[str, Array], Array]:
+def servo(s: str, values: Columns, state: Columns) -> tuple[Array, Array, Array, Array]:
     """Return the command, the position a sample ahead, eta+ without the excess, and x~+ = x^(k+1)."""
     k, names, y, r = gains(s), list(BOUNDS[s]), values[s], values[f"{s}_ref"]
     kept = {n: np.asarray(state[f"servo_{s}_{n}"], dtype=np.float64) for n in names}
@@ -184,9 +184,9 @@ def servo(s: str, values: Columns, state: Columns) -> tuple[Array, Array, dict[s
     now = np.stack([q, v]) + along(k.M, y - q)
     ahead = along(k.A, *now) + along(k.B, late)
     eta = [kept[n] for n in names[:-3]]
-    at_rest, bound = -(k.on_x[0, 0] + k.on_r) / k.on_eta[0, 0] * y, BOUNDS[s][names[0]]
+    at_rest, bound = -(k.on_x[0, 0] + k.on_r[0, 0]) / k.on_eta[0, 0] * y, BOUNDS[s][names[0]]
     eta[0] = np.where(started, eta[0], np.clip(eta[0] + at_rest, -bound, bound))  # no command, with the set-point at y
-    u = (along(k.on_x, *now) + along(k.on_late, late) + along(k.on_eta, *eta))[0] + k.on_r * r
+    u = (along(k.on_x, *now) + along(k.on_late, late) + along(k.on_eta, *eta))[0] + k.on_r[0, 0] * r
     next_eta = along(k.propagate, *eta) + along(k.drive, y - r)
     return u, ahead[0], next_eta, ahead
 
