@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import cache, standard_tasks, store, study_jobs, study_runs, tasks
+from synth import cache, standard_tasks, store, study_jobs, study_runs, tasks, verdicts
 from synth.analyse import robustness
 from synth.declaration import Stage
 from synth.errors import ContentError, DesignError, SynthError
@@ -95,7 +95,7 @@ def measure_goals(search: Search, stage: Stage, rig: Rig) -> tuple[Goal, ...]:
     """Return the goals that a stage reaches on the machines of the plan, under the controller of a rig."""
     experiments = study.select(stage.experiments, search.tuning.experiments)
     sampling = Sampling(search.plan.plants, search.plan.seed)
-    table = study.run(rig, experiments, sampling, range(sampling.rows), search.integration)
+    table = verdicts.with_limits(stage, study.run(rig, experiments, sampling, range(sampling.rows), search.integration))
     stage = _at_points(stage, search.tuning.points)
     survey = robustness.survey(standard.loops(stage)) if stage.operating_points else robustness.Survey((), ())
     return (*experiment_goals(table, search.tuning.goals), *_margin_goals(stage, search.tuning, survey))
@@ -112,7 +112,7 @@ def _at_points(stage: Stage, names: Sequence[str]) -> Stage:
 
 
 def experiment_goals(table: StudyTable, goals: Mapping[str, float]) -> tuple[Goal, ...]:
-    """Return the worst value of each check with its limit, and of each figure that is a goal.
+    """Return the worst value of each check with its limit, unless that is infinite, and of each figure that is a goal.
 
     A row without a result counts as a value that is missing.
 
@@ -126,6 +126,7 @@ def experiment_goals(table: StudyTable, goals: Mapping[str, float]) -> tuple[Goa
     return tuple(
         Goal(n, table.units.get(n, ""), _worst(known.get(n), n.split(": ")[0] in failed), limit, False)
         for n, limit in limits.items()
+        if limit < np.inf
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from synth import jobs, tune_command, tune_jobs, tune_search, workspace
+from synth.campaign import StudyLimits
 from synth.errors import DesignError, EmitError, SignalError, WiringError
 from synth.execute import build
 from synth.progress import Counted, Display, Lines
@@ -154,6 +155,15 @@ def test_the_certificate_holds_for_what_was_searched_and_for_nothing_else(prepar
     wrong = replace(proposal, goals=(planted, *proposal.goals[1:]))
     assert not tune_search.certify(prepared, wrong).checks[0].passed, "one bit of one goal"
     assert certificate.margins["disk_margin"] > 0
+
+
+@pytest.mark.slow
+def test_the_machines_of_a_search_keep_the_limits_of_the_study(prepared: tune_jobs.Search) -> None:
+    declared = {f.name: f.value for f in prepared.tuning.free}
+    limits = StudyLimits(limits={"step_z*: overshoot": 0.2, "step_z*: settling time": np.inf})
+    wider = replace(prepared, stage=replace(prepared.stage, study=limits))
+    goals = {g.name.partition(": ")[2]: g.limit for g in tune_jobs.evaluate(wider, declared).goals}
+    assert goals["overshoot"] == 0.2 and "settling time" not in goals and goals["samples with a fault bit"] == 0.0
 
 
 @pytest.mark.slow
