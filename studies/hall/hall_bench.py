@@ -13,7 +13,8 @@ from string import ascii_lowercase
 import casadi as ca
 import numpy as np
 
-from models import hall_chain, hall_scan, planar_stage
+from designs.hall_position.paper import scan_fit
+from models import hall_chain, planar_stage
 from models.hall_array import Pair
 from models.hall_chain import Chain
 from studies.hall import built_matrix
@@ -101,7 +102,7 @@ def scan(reach: float, line: float, together: int) -> Array:
     )
 
 
-def fits(bench: Bench, pitch: float, time: Discrete, seed: int = 1) -> list[hall_scan.Fit]:
+def fits(bench: Bench, pitch: float, time: Discrete, seed: int = 1) -> list[scan_fit.Fit]:
     """Return the fit of model (2) for each channel, from scans over a pitch in m about the origin."""
     along = pitch * (np.arange(SCANNED) / SCANNED - 0.5)
     X, Y = (each.ravel() for each in np.meshgrid(along, along, indexing="ij"))
@@ -110,5 +111,5 @@ def fits(bench: Bench, pitch: float, time: Discrete, seed: int = 1) -> list[hall
     for name, volt in volts.items():
         x, y = bench.places[ascii_lowercase.index(name[2])]
         log = Log({"X": readonly(X + x), "Y": readonly(Y + y), name: volt})
-        channel_fits.append(hall_scan.fit(log, name, pitch, name[3].upper()))
+        channel_fits.append(scan_fit.fit(log, name, pitch, name[3].upper()))
     return channel_fits

@@ -6,10 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from designs.hall_position.paper import field as audited
-from models import concentrated_field, hall_array, hall_figures, hall_scan
+from designs.hall_position.paper import field_figures, scan_fit
+from designs.hall_position.paper.field_figures import Surface
+from designs.hall_position.paper.scan_fit import Decay, Fit
+from models import concentrated_field, hall_array
 from models.concentrated_field import CROSS, PARAMETERS, orders_on_axes
-from models.hall_figures import Surface
-from models.hall_scan import Decay, Fit
 from models.hall_stage import Stage
 from synth.report import charts, maps
 from synth.report.captions import Content, Rows
@@ -33,8 +34,8 @@ def blocks(stage: Stage) -> dict[str, Content]:
     fit, (fits, decays) = audited.fit_above_blocks(stage), over_gap(stage)
     residual = 1e3 * np.abs(fit.residual)  # mV
     waves = stage.waves(concentrated_field.orders_up_to(5) + orders_on_axes((7, 9)))
-    above = {"ideal": stage.waves(orders_on_axes(hall_figures.HARMONICS), ideal=True), "as made": waves}
-    surfaces = {name: hall_figures.surface(each, POINTS, stage.height) for name, each in above.items()}
+    above = {"ideal": stage.waves(orders_on_axes(field_figures.HARMONICS), ideal=True), "as made": waves}
+    surfaces = {name: field_figures.surface(each, POINTS, stage.height) for name, each in above.items()}
     return {
         "field.parameters": _parameters(stage),
         "field.amplitudes": _amplitudes(stage),
@@ -59,9 +60,9 @@ def over_gap(stage: Stage) -> tuple[Mapping[float, Fit], list[Decay]]:
     array, waves = hall_array.HallArray((sensor,), stage.chain), stage.waves(FABRICATED)
     fits = {}
     for k, z in enumerate(HEIGHTS):
-        log = hall_scan.simulate_scan(array, waves, hall_scan.places(stage.pitch, SCAN_POINTS, (z,)), SEED + k)
-        fits[z] = hall_scan.fit(log, "V_ax", stage.pitch)
-    return fits, [hall_scan.decay(fits, name, stage.pitch, stage.height) for name in GREEK]
+        log = scan_fit.simulate_scan(array, waves, scan_fit.places(stage.pitch, SCAN_POINTS, (z,)), SEED + k)
+        fits[z] = scan_fit.fit(log, "V_ax", stage.pitch)
+    return fits, [scan_fit.decay(fits, name, stage.pitch, stage.height) for name in GREEK]
 
 
 def _parameters(stage: Stage) -> Rows:
@@ -117,11 +118,11 @@ def _sections(above: Mapping[str, Surface]) -> Figure:
 def _spacing(stage: Stage) -> Figure:
     """Return Fig. 5: voltages of two sensors along X, and the least slope of a pair over its spacing."""
     waves, printed = (
-        stage.waves(orders_on_axes(hall_figures.HARMONICS)),
-        hall_figures.spacings(PRINTED_SPACINGS, stage.pitch),
+        stage.waves(orders_on_axes(field_figures.HARMONICS)),
+        field_figures.spacings(PRINTED_SPACINGS, stage.pitch),
     )
-    line = hall_figures.line(waves, float(printed[0]), height=stage.height)
-    slopes = hall_figures.least_slopes(waves, 240, stage.height)
+    line = field_figures.line(waves, float(printed[0]), height=stage.height)
+    slopes = field_figures.least_slopes(waves, 240, stage.height)
     X, pitch, top = 1e3 * line.X, line.X[-1], 1e-3 * float(slopes.least.max())
     first_is_steeper = np.abs(line.slopes[0]) >= np.abs(line.slopes[1])
     voltages = []

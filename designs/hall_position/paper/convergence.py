@@ -4,7 +4,8 @@ from math import radians
 
 import numpy as np
 
-from models import hall_chain, hall_correction
+from designs.hall_position.paper import correction
+from models import hall_chain
 from models.hall_array import Array
 from models.hall_stage import Stage, grid
 from models.hall_two_waves import PlanarArray
@@ -26,7 +27,7 @@ def remaining_step(array: PlanarArray, scale: float, corrections: int) -> float:
     """Return the fraction of a step of X that remains after some corrections, median over the pitch."""
     q = grid(array, 20)
     start = q - np.array([[STEP], [0.0], [0.0]])
-    end = hall_correction.iterate(array, hall_correction.volts(array, q), start, scale, corrections)
+    end = correction.iterate(array, correction.volts(array, q), start, scale, corrections)
     return float(np.median(np.abs(end[0] - q[0]))) / STEP
 
 
@@ -38,7 +39,7 @@ def count_corrections(scale: float, samples: int, fraction: float) -> int:
 def converged_share(array: PlanarArray, scale: float, distance: float, yaw: float) -> float:
     """Return the share of random starts, off by `distance` pitches and `yaw` degrees at most, that converge."""
     q, off = random_starts(array, distance, yaw)
-    end = hall_correction.iterate(array, hall_correction.volts(array, q), q + off, scale, CORRECTIONS)
+    end = correction.iterate(array, correction.volts(array, q), q + off, scale, CORRECTIONS)
     return float(np.mean(np.hypot(*(end - q)[:2]) < CONVERGED))
 
 
@@ -59,8 +60,8 @@ def staircase_estimates(stage: Stage, step: float, yaw_known: bool) -> Array:
     estimates, at = [], q
     for stair, more in enumerate(noise.reshape(STEPS + 1, TREAD, 2, -1, q.shape[1])):
         true = q + np.array([[step * stair], [0.0], [0.0]])
-        clean = hall_correction.volts(pair, true)
+        clean = correction.volts(pair, true)
         for now in more:
-            at = hall_correction.iterate(pair, clean + now, at, SCALE, INNER, yaw_known)
+            at = correction.iterate(pair, clean + now, at, SCALE, INNER, yaw_known)
             estimates.append(at[0])
     return np.array(estimates).reshape(STEPS + 1, TREAD, -1)[:, TREAD // 2 :]

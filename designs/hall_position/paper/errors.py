@@ -5,9 +5,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from designs.hall_position.paper import field
+from designs.hall_position.paper import correction, field
 from designs.hall_position.paper.field import CACHED_RESULTS
-from models import concentrated_field, hall_array, hall_correction
+from models import concentrated_field, hall_array
 from models.hall_array import Array
 from models.hall_stage import PER_PITCH, Stage, grid
 from models.hall_two_waves import PlanarArray
@@ -71,7 +71,7 @@ def by_waves(stage: Stage, array: PlanarArray, points: int = PER_PITCH) -> Array
 
 
 def _error(array: PlanarArray, read: Array, q: Array, yaw_known: bool) -> Array:
-    return readonly(hall_correction.iterate(array, read, q, SCALE, CORRECTIONS, yaw_known)[:2] - q[:2])
+    return readonly(correction.iterate(array, read, q, SCALE, CORRECTIONS, yaw_known)[:2] - q[:2])
 
 
 def rms(values: Array) -> float:

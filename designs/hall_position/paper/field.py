@@ -10,7 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from models import concentrated_field, hall_array, hall_figures, hall_scan
+from designs.hall_position.paper import field_figures, scan_fit
+from models import concentrated_field, hall_array
 from models.concentrated_field import STRONG
 from models.hall_array import Array
 from models.hall_stage import PER_PITCH, Stage
@@ -53,7 +54,7 @@ def halbach_gain() -> float:
 def line_slopes(stage: Stage) -> Array:
     """Return the slope dV/dX of a sensor at PLACES + 1 positions over a pitch, V/m."""
     waves = stage.waves([(n, 0) for n in ODD])
-    return hall_figures.line(waves, 0.0, PLACES + 1, stage.height).slopes[0]
+    return field_figures.line(waves, 0.0, PLACES + 1, stage.height).slopes[0]
 
 
 def least_slope_of_pair(slopes: Array, spacing: float) -> float:
@@ -64,23 +65,23 @@ def least_slope_of_pair(slopes: Array, spacing: float) -> float:
 
 def relative_to_best_spacing(stage: Stage, spacing: float) -> float:
     """Return the least slope of a pair with a spacing in pitches, relative to that with the best spacing."""
-    least = hall_figures.least_slopes(stage.waves([(n, 0) for n in ODD]), PLACES, stage.height).least
+    least = field_figures.least_slopes(stage.waves([(n, 0) for n in ODD]), PLACES, stage.height).least
     return float(least[round(spacing * PLACES)] / least.max())
 
 
 @lru_cache(CACHED_RESULTS)
-def fit_above_blocks(stage: Stage) -> hall_scan.Fit:
+def fit_above_blocks(stage: Stage) -> scan_fit.Fit:
     """Return the fit of model (2) to a scan over a pitch above six pitches of blocks."""
     truth = stage.truth
     i, j = (v.ravel() for v in np.indices((truth.count, truth.count)))
     X, Y = (np.asarray(truth.spacing * k, dtype=np.float64) for k in (i, j))
     log = Log({"X": X, "Y": Y, "V_ax": truth.at(i, j)[0]})
-    return hall_scan.fit(log, "V_ax", stage.pitch)
+    return scan_fit.fit(log, "V_ax", stage.pitch)
 
 
-def fit_above_infinite_matrix(stage: Stage, points: int = PER_PITCH, highest: int = 9) -> hall_scan.Fit:
+def fit_above_infinite_matrix(stage: Stage, points: int = PER_PITCH, highest: int = 9) -> scan_fit.Fit:
     """Return the fit of model (2) over a pitch of the infinite matrix, with orders up to `highest` on each axis."""
     noiseless = hall_array.point_sensors([(0.0, 0.0)], replace(stage.chain, noise=0.0))
     waves = stage.waves(concentrated_field.orders_up_to(highest))
-    positions = hall_scan.places(stage.pitch, points, (stage.height,))
-    return hall_scan.fit(hall_scan.simulate_scan(noiseless, waves, positions, 0), "V_ax", stage.pitch)
+    positions = scan_fit.places(stage.pitch, points, (stage.height,))
+    return scan_fit.fit(scan_fit.simulate_scan(noiseless, waves, positions, 0), "V_ax", stage.pitch)

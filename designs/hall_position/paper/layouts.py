@@ -1,10 +1,10 @@
-"""Layouts of sensors in the body, with the least `hall_accuracy.cost` that the search has reached.
+"""Layouts of sensors in the body, with the least cost (`studies.hall.layout_accuracy`) that the search has reached.
 
-Coordinates are in pitches. `hall_fisher.worst` proves the worst deviation of a planar layout, also between grid points.
+Coordinates are in pitches. `fisher.worst` proves the worst deviation of a planar layout, also between grid points.
 
 Three two-axis sensors have as many voltages as a body has coordinates. Their determinant D(X, Y) = det H is continuous
-over the pitch. Where it takes both signs it vanishes on curves in between, on which rank is lost. `hall_accuracy.signs`
-shows this for a layout; a search for a layout with a single sign has found none. Four sensors lose rank where three
+over the pitch. Where it takes both signs it vanishes on curves in between, on which rank is lost: so it is for every
+layout that was looked at, and a search for one with a single sign has found none. Four sensors lose rank where three
 further equations hold: at isolated points of X, Y and yaw, and a layout may have none. With five sensors, every four of
 them would have to be free of such points; with six, every five are.
 """

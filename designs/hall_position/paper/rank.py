@@ -1,7 +1,7 @@
 """Accuracy of two and three sensors for the audit's formulas: deviations, lost rank, ambiguities.
 
 Deviations are Cramér-Rao bounds by model (2), for white noise of the chain's standard deviation in each voltage. alpha
-and beta are those above the infinite matrix unless a figure states otherwise. `hall_fisher.worst` proves the largest
+and beta are those above the infinite matrix unless a figure states otherwise. `fisher.worst` proves the largest
 deviations over the pitch.
 """
 
@@ -10,16 +10,9 @@ from math import radians
 
 import numpy as np
 
-from designs.hall_position.paper import layouts
+from designs.hall_position.paper import correction, fisher, layouts, sensor_accuracy
 from designs.hall_position.paper.field import CACHED_RESULTS
-from models import (
-    concentrated_field,
-    hall_accuracy,
-    hall_array,
-    hall_correction,
-    hall_fisher,
-    hall_two_waves,
-)
+from models import concentrated_field, hall_array, hall_two_waves
 from models.hall_array import Array
 from models.hall_stage import NUMBERS, Stage, grid
 from models.hall_two_waves import PlanarArray
@@ -34,22 +27,22 @@ LEVER = 50e-3  # m: lever that converts a yaw to a displacement
 
 def deviations(array: PlanarArray) -> Array:
     """Return the deviations (3, N) of X, Y in m and yaw in rad over the pitch at yaw 0."""
-    return hall_fisher.deviations(array, grid(array, POINTS))
+    return fisher.deviations(array, grid(array, POINTS))
 
 
 def deviation_at_known_yaw(array: PlanarArray, points: int = 4096) -> Array:
     """Return the deviation of X in m at a known yaw of 0, over a pitch (points,)."""
     q = np.zeros((3, points))
     q[0] = 2 * np.pi * np.arange(points) / points
-    slopes = hall_fisher.rows(array, q).g[0]
+    slopes = fisher.rows(array, q).g[0]
     return np.asarray(array.deviation / array.wave_number / np.sqrt((slopes**2).sum(axis=0)))
 
 
 @lru_cache(CACHED_RESULTS)
 @cached
 def worst(array: PlanarArray, low: float, high: float, tolerance: float = TOLERANCES[0]) -> LargestDeviation:
-    """Return the largest deviations over the pitch and yaws in degrees, with their bounds, as `hall_fisher.worst`."""
-    return hall_fisher.worst(array, (radians(low), radians(high)), tolerance)
+    """Return the largest deviations over the pitch and yaws in degrees, with their bounds, as `fisher.worst`."""
+    return fisher.worst(array, (radians(low), radians(high)), tolerance)
 
 
 def worst_of_optimised_layout(stage: Stage, yaw: int) -> LargestDeviation:
@@ -68,7 +61,7 @@ def conditions(stage: Stage) -> Array:
     sizes = dict(zip(NUMBERS, stage.amplitudes(NUMBERS).tolist(), strict=True))
     waves = concentrated_field.waves_from_amplitudes(sizes, stage.height, concentrated_field.values())
     pair, at = hall_array.point_sensors(stage.pair.positions, stage.chain), hall_two_waves.poses(stage.pitch, 60).T
-    return hall_accuracy.of_sensors(pair, waves, at, LEVER).condition
+    return sensor_accuracy.of_sensors(pair, waves, at, LEVER).condition
 
 
 def deviations_with_ninth_harmonic(stage: Stage) -> Array:
@@ -76,14 +69,14 @@ def deviations_with_ninth_harmonic(stage: Stage) -> Array:
     waves = stage.waves(concentrated_field.orders_on_axes((1, 5, 9)))
     sensors = hall_array.point_sensors(stage.three.positions, stage.chain)
     at = hall_two_waves.poses(stage.pitch, FINE).T
-    return hall_accuracy.of_sensors(sensors, waves, at, hall_accuracy.rms_radius(sensors), stage.height).deviations.max(
-        axis=0
-    )
+    return sensor_accuracy.of_sensors(
+        sensors, waves, at, sensor_accuracy.rms_radius(sensors), stage.height
+    ).deviations.max(axis=0)
 
 
 def deviation_at(array: PlanarArray, x: float, y: float, yaw: float) -> float:
     """Return the deviation of X in m at a place in pitches and a yaw in degrees."""
-    return float(hall_fisher.deviations(array, np.array([[x * array.pitch], [y * array.pitch], [radians(yaw)]]))[0, 0])
+    return float(fisher.deviations(array, np.array([[x * array.pitch], [y * array.pitch], [radians(yaw)]]))[0, 0])
 
 
 def voltage_changes(array: PlanarArray) -> tuple[float, ...]:
@@ -105,4 +98,4 @@ def voltage_changes(array: PlanarArray) -> tuple[float, ...]:
 
 def _body_voltages(array: PlanarArray, q: Array) -> Array:
     """Return the voltages in the body's axes (2, sensors, N) at q (3, N), V."""
-    return hall_correction.rotate_voltages(hall_correction.volts(array, q), -q[2])
+    return correction.rotate_voltages(correction.volts(array, q), -q[2])

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from designs.hall_position.paper import convergence, errors, field, rank
-from models import hall_singular_points
+from designs.hall_position.paper import convergence, errors, field, rank, singular_points
 from models.hall_stage import Stage
 from synth.report import audit
 from synth.report.audit import Published, Row, Scope
@@ -27,7 +26,7 @@ def rows() -> Iterator[Row]:
 def scope(stage: Stage, prints: Mapping[str, Published]) -> Scope:
     """Return the scope of the formulas: a stage, functions, units, and the printed rows."""
     functions = audit.functions(convergence, errors, field, rank) | {f.__name__: f for f in (*NUMPY, Stage)}
-    functions["singular_points"] = hall_singular_points.of_pair
+    functions["singular_points"] = singular_points.of_pair
     return Scope(asdict(stage), {**functions, **UNITS}, prints)
 
 

@@ -6,9 +6,8 @@ from math import radians
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.hall_position.paper import errors, rank
+from designs.hall_position.paper import correction, errors, fisher, rank, singular_points
 from designs.hall_position.paper.layouts import LAYOUTS
-from models import hall_correction, hall_fisher, hall_singular_points
 from models.hall_array import Array
 from models.hall_stage import PUBLISHED, Stage, grid
 from models.hall_two_waves import PlanarArray
@@ -67,7 +66,7 @@ def _maps(stage: Stage, layouts: Mapping[str, PlanarArray]) -> Figure:
     shown = []
     for yaw in (0.0, YAW):
         for name in list(layouts)[:3]:
-            marks = 1e3 * hall_singular_points.of_pair(stage.pair, yaw) if name == "two sensors" else None
+            marks = 1e3 * singular_points.of_pair(stage.pair, yaw) if name == "two sensors" else None
             shown.append(Map(f"{name}, yaw {np.degrees(yaw):g}°", _larger_deviation(layouts[name], yaw) / UM, marks))
     return maps.maps(shown, _pitch_extent(stage), (2.0, 20.0), label="µm")
 
@@ -76,7 +75,7 @@ def _larger_deviation(array: PlanarArray, yaw: float) -> Array:
     """Return the larger of the deviations of X and Y (POINTS, POINTS) over the pitch at a yaw, m."""
     q = grid(array, POINTS)
     q[2] = yaw
-    return np.asarray(hall_fisher.deviations(array, q)[:2].max(axis=0).reshape(POINTS, POINTS))
+    return np.asarray(fisher.deviations(array, q)[:2].max(axis=0).reshape(POINTS, POINTS))
 
 
 def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
@@ -84,7 +83,7 @@ def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
     for name, layout in list(layouts.items())[1:]:
         q = np.tile(grid(layout, CURVE_POINTS), CURVE_YAWS)
         q[2] = np.repeat(yaws, CURVE_POINTS**2)
-        largest = hall_fisher.deviations(layout, q)[:2].max(axis=0).reshape(CURVE_YAWS, -1).max(axis=1)
+        largest = fisher.deviations(layout, q)[:2].max(axis=0).reshape(CURVE_YAWS, -1).max(axis=1)
         lines.append(Line(np.degrees(yaws), largest / UM, name, {"lw": 1.2}))
     lines.append(Line(np.degrees(yaws), np.full(CURVE_YAWS, REQUIRED / UM), style={**LEVEL, "ls": ":"}))
     return charts.draw([Chart(lines, "yaw, °", "largest of X and Y over the pitch, µm", log="y")], 3.0)
@@ -102,7 +101,7 @@ def _worst(stage: Stage) -> Rows:
 
 def _singular(stage: Stage, yaw: float) -> tuple[float, ...]:
     """Return the yaw in degrees, the number of singular points, and the first point (X, Y) in mm or NaN."""
-    points = hall_singular_points.of_pair(stage.pair, radians(yaw))
+    points = singular_points.of_pair(stage.pair, radians(yaw))
     first = points[0] if len(points) else np.full(2, np.nan)
     return yaw, len(points), *(1e3 * first).tolist()
 
@@ -153,7 +152,7 @@ def basin(array: PlanarArray, yaw_known: bool) -> Array:
     q[:2] = positions[:, :, None, None]
     start = q + np.array([X, Y, np.zeros_like(X)])[:, None]
     truth, starts = q.reshape(3, -1), start.reshape(3, -1)
-    end = hall_correction.iterate(array, hall_correction.volts(array, truth), starts, SCALE, CORRECTIONS, yaw_known)
+    end = correction.iterate(array, correction.volts(array, truth), starts, SCALE, CORRECTIONS, yaw_known)
     return np.asarray(
         (np.hypot(*(end - truth)[:2]) < CONVERGENCE_ERROR).reshape(BASIN_POSES, BASIN_STARTS, BASIN_STARTS).mean(axis=0)
     )

@@ -6,9 +6,10 @@ import numpy as np
 
 from designs.hall_position.paper import errors, layouts
 from designs.hall_position.paper.layouts import LAYOUTS
-from models import hall_accuracy, hall_array, hall_two_waves
+from models import hall_array, hall_two_waves
 from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import SpatialArray
+from studies.hall import layout_accuracy
 from studies.hall.pages import drawings
 from studies.hall.protected import spatial
 from synth.analyse.observability.information import Accuracy
@@ -18,7 +19,7 @@ from synth.report.maps import Map
 
 POINTS = 48  # of maps, along a pitch
 MIN_SENSORS = 4  # sensors
-LEVEL = hall_accuracy.CONDITIONS[hall_accuracy.LEVEL]
+LEVEL = layout_accuracy.CONDITIONS[layout_accuracy.LEVEL]
 COLUMNS = ("", "X, µm", "Y, µm", "Z, µm", "roll, µrad", "pitch, µrad", "yaw, µrad")
 
 
@@ -46,12 +47,12 @@ def optimised_layout(stage: Stage, sensors: int) -> SpatialArray:
 
 
 def _signs(stage: Stage, name: str, places: layouts.Places) -> tuple[str | float, ...]:
-    least, largest = hall_accuracy.signs(hall_two_waves.with_positions(optimised_layout(stage, MIN_SENSORS), places))
+    least, largest = layout_accuracy.signs(hall_two_waves.with_positions(optimised_layout(stage, MIN_SENSORS), places))
     return name, least, largest, "on lines" if least < 0 < largest else "not seen"
 
 
 def _layout(array: SpatialArray, sensors: int) -> page.Section:
-    deviations = 1e6 * hall_accuracy.spatial(array, hall_accuracy.cell(array, LEVEL, POINTS)).deviations
+    deviations = 1e6 * layout_accuracy.spatial(array, layout_accuracy.cell(array, LEVEL, POINTS)).deviations
     X, Y, Z, roll, pitch, yaw = np.moveaxis(deviations.reshape(POINTS, POINTS, 6), -1, 0)
     pairs = {
         "places": ([Map("X or Y, µm", np.maximum(X, Y)), Map("Z, µm", Z)], (1.0, 10.0), "µm"),
@@ -65,9 +66,9 @@ def _layout(array: SpatialArray, sensors: int) -> page.Section:
         page.Figure(figures.svg(maps.maps(shown, sides, scale, 2, label=unit), f"six-{sensors}-{name}"), caption)
         for name, (shown, scale, unit) in pairs.items()
     ]
-    tables = [_table(hall_accuracy.conditions(array, POINTS), "under conditions")]
+    tables = [_table(layout_accuracy.conditions(array, POINTS), "under conditions")]
     if sensors > MIN_SENSORS:
-        tables.append(_table(hall_accuracy.losses(array, POINTS), "after the loss of a sensor, level"))
+        tables.append(_table(layout_accuracy.losses(array, POINTS), "after the loss of a sensor, level"))
     return page.Section(f"{sensors} sensors", (*drawings, *tables, _misfit(array)))
 
 
@@ -82,8 +83,8 @@ def _table(accuracies: Mapping[str, Accuracy], what: str) -> page.Table:
 def _misfit(array: SpatialArray) -> page.Table:
     """Return the errors due to waves outside the model, to first order."""
     sensors = hall_array.point_sensors([(x, y) for x, y, _ in array.positions])
-    off = 1e6 * hall_accuracy.misfit(
-        array, sensors, Stage().waves(errors.WAVES), hall_accuracy.cell(array, LEVEL, POINTS)
+    off = 1e6 * layout_accuracy.misfit(
+        array, sensors, Stage().waves(errors.WAVES), layout_accuracy.cell(array, LEVEL, POINTS)
     )
     rows = ("rms", *np.sqrt(np.mean(off**2, axis=0)).tolist()), ("largest", *np.abs(off).max(axis=0).tolist())
     return page.Table("Errors by what model (2) does not know of the field, to first order, level", COLUMNS, rows)

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models import hall_accuracy, hall_fisher
+from designs.hall_position.paper import fisher
 from models.hall_stage import Stage, grid
-from studies.hall import costs, page
+from studies.hall import costs, layout_accuracy, page
 from studies.hall.costs import Row
 from studies.hall.pages import accuracy, integrity, six, trust
 from synth.check import Check
@@ -74,7 +74,7 @@ def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> N
     shown = accuracy._larger_deviation(STAGE.three, 0.1)
     along = STAGE.pitch * (np.arange(6) + 0.5) / 6
     for i, j in ((0, 0), (2, 5), (4, 1)):
-        expected = hall_fisher.deviations(STAGE.three, np.array([[along[i]], [along[j]], [0.1]]))[:2].max()
+        expected = fisher.deviations(STAGE.three, np.array([[along[i]], [along[j]], [0.1]]))[:2].max()
         assert shown[i, j] == pytest.approx(expected, rel=1e-12)
     assert grid(STAGE.three, 6).shape == (3, 36)
 
@@ -95,7 +95,7 @@ def test_the_page_says_that_three_sensors_lose_rank_in_six_degrees_of_freedom() 
     section = six.section(STAGE)
     assert all(row[3] == "on lines" for row in rows_of(six.blocks(STAGE)["six.determinants"]))
     of = six.optimised_layout(STAGE, 4)
-    expected = 1e6 * hall_accuracy.conditions(of, 8)[hall_accuracy.LEVEL].deviations.max(axis=0)
+    expected = 1e6 * layout_accuracy.conditions(of, 8)[layout_accuracy.LEVEL].deviations.max(axis=0)
     shown = tables(section.sections[0])["Largest standard deviations over the pitch under conditions"].rows[0]
     assert shown[1:7] == pytest.approx(tuple(expected))
 

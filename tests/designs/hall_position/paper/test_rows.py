@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from designs.hall_position.paper import errors, field, rank
+from designs.hall_position.paper import correction, errors, field, rank
 from designs.hall_position.paper import rows as paper
-from models import concentrated_field, hall_array, hall_correction
+from models import concentrated_field, hall_array
 from models.hall_stage import PUBLISHED, Stage, grid
 from synth.report import audit
 from synth.report.audit import Printed, Row
@@ -165,7 +165,7 @@ def test_rows_depend_on_what_they_name(rows: dict[str, Row], parameter: str) -> 
 def test_a_correction_is_the_least_squares_solution_of_the_sensor_model() -> None:
     rng = np.random.default_rng(1)
     q = np.vstack([rng.uniform(0, l, (2, 30)), rng.uniform(-1, 1, 30)])
-    read = hall_correction.rotate_voltages(hall_correction.volts(STAGE.three, q), -q[2])
+    read = correction.rotate_voltages(correction.volts(STAGE.three, q), -q[2])
     at = q + 1e-4 * rng.standard_normal(q.shape) * [[1], [1], [30]]
     waves = concentrated_field.waves_from_amplitudes(
         {1: STAGE.three.alpha / 8.4, 5: STAGE.three.beta / 8.4}, 3e-3, concentrated_field.values()
@@ -173,14 +173,14 @@ def test_a_correction_is_the_least_squares_solution_of_the_sensor_model() -> Non
     sensors = hall_array.point_sensors(STAGE.three.positions)
     model = hall_array.planar(sensors, waves).function()
     for known in (False, True):
-        steps = hall_correction.correction(STAGE.three, read, at, known)
+        steps = correction.correction(STAGE.three, read, at, known)
         for k in range(30):
             volts, H = (v.full() for v in model(at[:, k]))
             e = read[:, :, k].T.ravel() - volts.ravel()
             n = 2 if known else 3
             expected = np.linalg.lstsq(H[:, :n], e, rcond=None)[0]
             np.testing.assert_allclose(steps[:n, k], expected, rtol=1e-6, atol=1e-12)
-    end = hall_correction.iterate(STAGE.three, read, at, 1.0, 12)
+    end = correction.iterate(STAGE.three, read, at, 1.0, 12)
     np.testing.assert_allclose(end, q, rtol=0, atol=1e-10)
 
 

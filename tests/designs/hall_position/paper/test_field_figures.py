@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
+from designs.hall_position.paper import field_figures
 from models import concentrated_field as cf
-from models import hall_figures
 
 l = 50.8e-3
 P = cf.values()
 SINE = cf.waves_from_amplitudes({1: 0.375}, 3e-3, P)
-IDEAL = cf.waves(cf.ideal_matrix(P["strong"]), cf.orders_on_axes(hall_figures.HARMONICS), P)
+IDEAL = cf.waves(cf.ideal_matrix(P["strong"]), cf.orders_on_axes(field_figures.HARMONICS), P)
 FABRICATED = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), cf.orders_on_axes((1, 5, 9, 13)), P)
 
 
 def test_figure_4() -> None:
-    surface = hall_figures.surface(IDEAL, 33)
+    surface = field_figures.surface(IDEAL, 33)
     assert surface.X[0] == 0 and surface.X[-1] == pytest.approx(l) and surface.B_X.shape == (33, 33)
     np.testing.assert_allclose(surface.B_X, -surface.B_X[::-1], rtol=0, atol=1e-15)
     assert np.ptp(surface.B_X, axis=1).max() == 0  # an ideal matrix' B_X does not depend on Y
@@ -25,7 +25,7 @@ def test_figure_4() -> None:
 
 
 def test_figure_5() -> None:
-    line = hall_figures.line(FABRICATED, 0.75 * l)
+    line = field_figures.line(FABRICATED, 0.75 * l)
     np.testing.assert_allclose(line.volts[1], np.roll(line.volts[0][:-1], -192)[np.arange(257) % 256], atol=1e-12)
     middle = (line.volts[:, 2:] - line.volts[:, :-2]) / (line.X[2] - line.X[0])
     np.testing.assert_allclose(line.slopes[:, 1:-1], middle, rtol=0, atol=4.0)  # (13 w h)^2 / 6 of its share
@@ -34,9 +34,9 @@ def test_figure_5() -> None:
 
 
 def test_spacing_3_is_best_for_a_sine_and_within_a_per_cent_for_the_field() -> None:
-    at = np.rint(hall_figures.spacings(3, 480)).astype(int)
+    at = np.rint(field_figures.spacings(3, 480)).astype(int)
     assert at.tolist() == [360, 600, 840]
-    sine, field = hall_figures.least_slopes(SINE), hall_figures.least_slopes(FABRICATED)
+    sine, field = field_figures.least_slopes(SINE), field_figures.least_slopes(FABRICATED)
     peak = 8.4 * 0.375 * 2 * np.pi / l * (1 - 1.5e-5)
     np.testing.assert_allclose(sine.least[at], peak, rtol=1e-6)
     assert sine.least.max() <= peak * (1 + 1e-6)
@@ -45,5 +45,5 @@ def test_spacing_3_is_best_for_a_sine_and_within_a_per_cent_for_the_field() -> N
 
 
 def test_a_spacing_of_half_pitches_is_seen_to_be_blind() -> None:
-    for slopes in (hall_figures.least_slopes(SINE), hall_figures.least_slopes(FABRICATED)):
+    for slopes in (field_figures.least_slopes(SINE), field_figures.least_slopes(FABRICATED)):
         assert slopes.least[[0, 240, 480, 720]].max() < 1e-9

@@ -1,4 +1,4 @@
-"""Accuracy maps of sensors: published figures, the sensor model, Monte Carlo, losses, errors of the field."""
+"""Accuracy maps of layouts: the sensor model, Monte Carlo, losses, errors of the field."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -9,22 +9,24 @@ import numpy as np
 import pytest
 from scipy import optimize
 
+from designs.hall_position.paper import sensor_accuracy
 from models import concentrated_field as cf
-from models import hall_accuracy, hall_array, hall_two_waves
-from models.hall_array import HallArray, Sensor
+from models import hall_array, hall_two_waves
+from models.hall_array import HallArray
 from models.hall_two_waves import SpatialArray as Array
+from studies.hall import layout_accuracy
 from synth.analyse.observability.information import Accuracy
 from synth.errors import ModelError
 from tests.models.posed import FIVE, FOUR, L, noisy, places, volts
 
-SIZES = hall_accuracy.sizes(6, hall_accuracy.LEVER)
+SIZES = sensor_accuracy.sizes(6, layout_accuracy.LEVER)
 
 
 def test_deviations_are_those_of_the_sensor_model() -> None:
     at = places(200, 0)
     in_body, of = (
-        hall_accuracy.spatial(FOUR, at),
-        hall_accuracy.of_sensors(*hall_two_waves.model(FOUR), at, hall_accuracy.LEVER),
+        layout_accuracy.spatial(FOUR, at),
+        sensor_accuracy.of_sensors(*hall_two_waves.model(FOUR), at, layout_accuracy.LEVER),
     )
     np.testing.assert_allclose(in_body.deviations, of.deviations, rtol=1e-9)
     np.testing.assert_allclose(in_body.condition, of.condition, rtol=1e-9)
@@ -35,7 +37,7 @@ def test_least_squares_scatter_as_much() -> None:
     """At one pose, 200 times: a ratio of rms is within 15 %, three of its standard deviations."""
     at = places(1, 1)[0]
     V = noisy(FOUR, np.tile(at, (200, 1)))
-    expected = hall_accuracy.spatial(FOUR, at[np.newaxis]).deviations[0]
+    expected = layout_accuracy.spatial(FOUR, at[np.newaxis]).deviations[0]
     off = [
         1e-5 * optimize.least_squares(lambda d, v=v: (volts(FOUR, at + 1e-5 * d / SIZES) - v).ravel(), np.zeros(6)).x
         for v in V
@@ -54,8 +56,8 @@ def median(accuracy: Mapping[str, Accuracy]) -> np.ndarray:
 
 def test_the_map_of_four_sensors() -> None:
     """At worst under all conditions 4.9 um in X and Y, 5.5 um in Z, 0.21 mrad; half of that is usual."""
-    accuracy = hall_accuracy.conditions(FOUR, 40)
-    assert tuple(accuracy) == tuple(hall_accuracy.CONDITIONS) and worst(accuracy).shape == (8, 6)
+    accuracy = layout_accuracy.conditions(FOUR, 40)
+    assert tuple(accuracy) == tuple(layout_accuracy.CONDITIONS) and worst(accuracy).shape == (8, 6)
     assert (worst(accuracy)[:, :3] < 5.6e-6).all() and (worst(accuracy)[:, 3:] < 2.1e-4).all()
     assert (median(accuracy)[:, :3] < 2.6e-6).all() and (median(accuracy)[:, 3:] < 1.0e-4).all()
     assert all(each.condition.max() < 10 for each in accuracy.values())
@@ -65,18 +67,18 @@ def test_the_map_of_four_sensors() -> None:
 
 
 def test_the_map_after_the_loss_of_a_sensor() -> None:
-    accuracy = hall_accuracy.losses(FIVE, points=40)
+    accuracy = layout_accuracy.losses(FIVE, points=40)
     assert tuple(accuracy) == ("all", *(f"without {k}" for k in "abcde"))
     assert np.isfinite(worst(accuracy)).all() and (worst(accuracy)[1:] > worst(accuracy)[0]).all()
     assert (median(accuracy)[1:, :3] < 5e-6).all() and (median(accuracy)[1:, 3:] < 3e-4).all()
     with pytest.raises(ModelError, match="4 sensors have no redundant one"):
-        hall_accuracy.losses(FOUR)
+        layout_accuracy.losses(FOUR)
 
 
 def test_lost_rank_is_infinite() -> None:
     """Of sensors a half pitch apart where the fields of all are level or upright: none has a slope along X."""
     array = replace(FOUR, positions=((0.0, 0.0, 0.0), (L / 2, 0.0, 0.0), (0.0, L / 2, 0.0)), beta=0.0)
-    accuracy = hall_accuracy.spatial(array, [[L / 4, L / 4, 3e-3, 0.0, 0.0, 0.0]])
+    accuracy = layout_accuracy.spatial(array, [[L / 4, L / 4, 3e-3, 0.0, 0.0, 0.0]])
     assert np.isinf(accuracy.deviations).all() and np.isinf(accuracy.condition).all()
 
 
@@ -95,10 +97,10 @@ def test_what_the_field_has_beyond_the_model_moves_the_pose() -> None:
     waves = cf.waves(cell, orders, p)
     sensors = hall_array.HallArray(tuple(hall_array.Sensor(r) for r in FOUR.positions))
     array, at = average_volume(sensors, waves), places(200, 2)
-    rms = np.sqrt((hall_accuracy.misfit(array, sensors, waves, at) ** 2).mean(axis=0))
+    rms = np.sqrt((layout_accuracy.misfit(array, sensors, waves, at) ** 2).mean(axis=0))
     assert (rms[:3] > 3e-5).all() and (rms[:3] < 1.5e-4).all() and (rms[3:] > 1e-3).all() and (rms[3:] < 6e-3).all()
     model = [w for w in waves if w.order in ((1, 0), (0, 1), (5, 0), (0, 5))]
-    none = hall_accuracy.misfit(array, sensors, model, at)
+    none = layout_accuracy.misfit(array, sensors, model, at)
     assert np.abs(none[:, :3]).max() < 1e-7 and np.abs(none[:, 3:]).max() < 1e-5
 
 
@@ -106,9 +108,9 @@ def test_what_the_field_has_beyond_the_model_moves_the_pose() -> None:
 def test_poses_that_are_none_are_refused(poses: Any) -> None:
     by_waves = hall_two_waves.model(FOUR)
     for asked in (
-        lambda: hall_accuracy.spatial(FOUR, poses),
+        lambda: layout_accuracy.spatial(FOUR, poses),
         lambda: hall_two_waves.rows(FOUR, poses),
-        lambda: hall_accuracy.misfit(FOUR, *by_waves, poses),
+        lambda: layout_accuracy.misfit(FOUR, *by_waves, poses),
     ):
         with pytest.raises(ModelError, match=r"poses of X, Y, Z, roll, pitch, yaw .*: give finite numbers"):
             asked()
@@ -116,79 +118,27 @@ def test_poses_that_are_none_are_refused(poses: Any) -> None:
 
 def test_a_lever_of_nothing_is_refused() -> None:
     with pytest.raises(ModelError, match="the lever is 0"):
-        hall_accuracy.spatial(FOUR, places(1, 0), 0.0)
+        layout_accuracy.spatial(FOUR, places(1, 0), 0.0)
     for lever in (None, "a", float("nan"), True):
         with pytest.raises(ModelError, match="the lever is"):
-            hall_accuracy.spatial(FOUR, places(1, 0), lever)  # type: ignore[arg-type]
+            layout_accuracy.spatial(FOUR, places(1, 0), lever)  # type: ignore[arg-type]
         with pytest.raises(ModelError, match="the lever is"):
-            hall_accuracy.sizes(6, lever)  # type: ignore[arg-type]
+            sensor_accuracy.sizes(6, lever)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("points", [0, 2.5, -1, True])
 def test_maps_of_no_points_are_refused(points: Any) -> None:
-    for asked in (lambda: hall_accuracy.conditions(FOUR, points), lambda: hall_accuracy.losses(FIVE, points=points)):
+    for asked in (
+        lambda: layout_accuracy.conditions(FOUR, points),
+        lambda: layout_accuracy.losses(FIVE, points=points),
+    ):
         with pytest.raises(ModelError, match="number of poses along the pitch is"):
             asked()
 
 
 def test_an_error_of_other_sensors_or_without_rank_is_refused() -> None:
     with pytest.raises(ModelError, match="5 sensors and 4 of the model"):
-        hall_accuracy.misfit(FOUR, *hall_two_waves.model(FIVE), places(1, 0))
+        layout_accuracy.misfit(FOUR, *hall_two_waves.model(FIVE), places(1, 0))
     still = replace(FOUR, positions=((0.0, 0.0, 0.0), (L, 0.0, 0.0), (0.0, L, 0.0)))
     with pytest.raises(ModelError, match="rank is lost at 1 of the places"):
-        hall_accuracy.misfit(still, *hall_two_waves.model(still), [[0.0, 0.0, 3e-3, 0.0, 0.0, 0.0]])
-
-
-l, ALPHA, BETA = 50.8e-3, 8.4 * 0.37502, -8.4 * 0.02146
-P = cf.values()
-PLACES = ((-0.375 * l, -0.375 * l), (0.375 * l, 0.375 * l), (0.640 * l, 0.613 * l))
-FITTED = cf.waves_from_amplitudes({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, P)
-POINTS = (0.0, 0.0, 0.0)
-
-
-def test_two_sensors_are_as_published() -> None:
-    pair = hall_array.point_sensors(PLACES[:2])
-    accuracy = hall_accuracy.of_sensors(pair, FITTED, hall_two_waves.poses(l, 60).T, 0.05)
-    assert abs(accuracy.condition.min() - 1.376) < 5e-4
-    assert abs(np.median(accuracy.condition) - 4.14) < 0.03  # a median moves with the grid by as much
-    larger = accuracy.deviations[:, :2].max(axis=1)
-    assert abs(np.median(larger) - 4.22e-6) < 0.03e-6
-    assert abs((larger > 10e-6).mean() - 0.111) < 0.01
-
-
-@pytest.mark.parametrize("waves", ["9th", "cross"])
-def test_waves_beyond_the_model_change_the_worst_little(waves: str) -> None:
-    orders = cf.orders_on_axes((1, 5, 9)) + (cf.CROSS if waves == "cross" else ())
-    fabricated = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), orders, P)
-    of = hall_array.sensors(PLACES)
-    accuracy = hall_accuracy.of_sensors(
-        of, fabricated, hall_two_waves.poses(l, 60).T, hall_accuracy.rms_radius(of)
-    ).deviations.max(axis=0)
-    assert (accuracy < [5.3e-6, 5.3e-6, 200e-6]).all() and accuracy[0] > 4.5e-6
-
-
-def test_misaligned_sensors_are_seen() -> None:
-    crooked = HallArray(tuple(Sensor((x, y, 0.0), 0.3, (0.5, 0.5)) for x, y in PLACES), volume=POINTS)
-    straight = hall_array.point_sensors(PLACES)
-    cell = hall_two_waves.poses(l, 8, 0.2).T
-    ours, theirs = (hall_accuracy.of_sensors(each, FITTED, cell, 0.01).deviations for each in (crooked, straight))
-    np.testing.assert_allclose(ours, 2 * theirs, rtol=1e-9)  # half the gain; turned axes see as much
-
-
-def test_a_quarter_turn_exchanges_the_axes() -> None:
-    array = hall_array.point_sensors(PLACES)
-    q = hall_two_waves.poses(l, 7, 0.3).T
-    rotated = np.column_stack([-q[:, 1], q[:, 0], q[:, 2] + np.pi / 2])
-    ours, theirs = (hall_accuracy.of_sensors(array, FITTED, each, 0.01) for each in (q, rotated))
-    np.testing.assert_allclose(theirs.deviations, ours.deviations[:, [1, 0, 2]], rtol=1e-9)
-
-
-def test_places_and_sensors_that_are_none_are_refused() -> None:
-    array, same = hall_array.sensors(PLACES), hall_array.sensors((PLACES[0], PLACES[0]))
-    for poses in ([0.0, 1.0], [[0.0, 1.0, np.nan]]):
-        with pytest.raises(ModelError, match="finite"):
-            hall_accuracy.of_sensors(array, FITTED, poses, 0.01)
-    with pytest.raises(ModelError, match="two voltages for three"):
-        hall_accuracy.of_sensors(hall_array.sensors(PLACES[:1]), FITTED, hall_two_waves.poses(l, 2).T, 0.01)
-    with pytest.raises(ModelError, match="the lever is 0"):
-        hall_accuracy.of_sensors(same, FITTED, hall_two_waves.poses(l, 2).T, hall_accuracy.rms_radius(same))
+        layout_accuracy.misfit(still, *hall_two_waves.model(still), [[0.0, 0.0, 3e-3, 0.0, 0.0, 0.0]])

@@ -1,29 +1,28 @@
-"""Accuracy of a pose from two-axis Hall sensors: Cramér-Rao deviations, condition numbers, errors of the model.
+"""Accuracy of layouts of two-axis Hall sensors over the pitch: their maps, losses of sensors, errors of the model.
 
-Poses are (X, Y, yaw) at a height, or all six coordinates; sensors are arrays in the field of two waves, or sensors with
-any errors in any waves. A quarter turn about a strong block's centre leaves the matrix unchanged: the accuracy of X at
-a yaw is that of Y a quarter turn further, and yaws of +-45 deg show the whole map of both. The cost of a layout is
+Poses are (X, Y, yaw) at a height, or all six coordinates, of arrays in the field of two waves. A quarter turn about a
+strong block's centre leaves the matrix unchanged: the accuracy of X at a yaw is that of Y a quarter turn further, and
+yaws of +-45 deg show the whole map of both. The cost of a layout is
 
     cost = max over poses of max(s_places, lever s_angles)    in m
 
 of (X, Y, yaw), or of all six coordinates of a level body. The lever converts angles to displacements.
-
-Deviations are proportional to the noise of the array, 1 mV by default.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import radians, sqrt
+from math import radians
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models import hall_array, hall_fisher, hall_two_waves
+from designs.hall_position.paper import fisher
+from designs.hall_position.paper.sensor_accuracy import sizes
+from models import hall_array, hall_two_waves
 from models.concentrated_field import Wave
 from models.hall_array import Array, HallArray
 from models.hall_two_waves import PlanarArray, SpatialArray
-from synth import numeric
 from synth.analyse.observability import information
 from synth.analyse.observability.information import Accuracy
 from synth.errors import ModelError
@@ -53,37 +52,8 @@ class Signs(NamedTuple):
     largest: float
 
 
-def of_sensors(
-    array: HallArray, waves: Sequence[Wave], poses: ArrayLike, lever: float, height: float = hall_array.HEIGHT
-) -> Accuracy:
-    """Return the accuracy at poses (N, 3) of X, Y, yaw at a height in m, or (N, 6) of all, in m and rad.
-
-    These are Cramér-Rao deviations and condition numbers, with angles times the lever in m.
-
-    Raises ModelError for invalid poses, a lever that is not above 0, or a single sensor.
-    """
-    if len(array.sensors) < 2:
-        raise ModelError("one sensor has two voltages for three coordinates: add another one")
-    at = numeric.table("the poses", poses, np.shape(poses)[-1] if np.shape(poses)[-1:] in ((3,), (6,)) else 6)
-    predicted = hall_array.planar(array, waves, height) if at.shape[1] == 3 else hall_array.spatial(array, waves)
-    H = information.jacobians(predicted.measurement(), at)
-    return information.accuracy(H, array.chain.noise, sizes(at.shape[1], lever))
-
-
-def sizes(unknowns: int, lever: float) -> Array:
-    """Return the displacement by a unit of each unknown, m: 1, or the lever for angles; raise ModelError for 0."""
-    lever = numeric.positive("the lever", lever)
-    return np.array([1.0, 1.0, lever] if unknowns == len(hall_array.PLANAR) else [1.0, 1.0, 1.0, lever, lever, lever])
-
-
-def rms_radius(array: HallArray) -> float:
-    """Return the sensors' rms distance in the plane from their mean, m: a lever of the yaw."""
-    places = np.array([s.position[:2] for s in array.sensors])
-    return sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean())
-
-
 def spatial(array: SpatialArray, poses: ArrayLike, lever: float = LEVER) -> Accuracy:
-    """Return the accuracy of an array at poses (N, 6) in m and rad; raise ModelError as `of_sensors`."""
+    """Return the accuracy of an array at poses (N, 6) in m and rad; raise ModelError as `sizes`."""
     return information.accuracy(hall_two_waves.rows(array, poses), array.deviation, sizes(6, lever))
 
 
@@ -131,7 +101,7 @@ def jacobians(array: PlanarArray | SpatialArray, q: Array) -> Array:
     if isinstance(array, SpatialArray):
         return hall_two_waves.rows(array, hall_two_waves.level(array, q))
     w, n = array.wave_number, len(array.positions)
-    H = hall_fisher.rows(array, np.array([w * q[0], w * q[1], q[2]])).jacobian / hall_fisher.units(array)[:, None, None]
+    H = fisher.rows(array, np.array([w * q[0], w * q[1], q[2]])).jacobian / fisher.units(array)[:, None, None]
     return H.reshape(3, 2, n, -1).transpose(3, 2, 1, 0).reshape(-1, 2 * n, 3)
 
 

@@ -7,7 +7,8 @@ from math import radians
 import numpy as np
 import pytest
 
-from models import concentrated_field, hall_accuracy, hall_array, hall_fisher
+from designs.hall_position.paper import fisher, sensor_accuracy
+from models import concentrated_field, hall_array
 from models.hall_two_waves import PlanarArray as Array
 from synth.analyse.observability import worst_deviation
 from synth.errors import ModelError
@@ -26,9 +27,9 @@ def poses(count: int, seed: int = 3) -> np.ndarray:
 def test_deviations_are_those_of_the_sensor_model() -> None:
     q = poses(500)
     sensors = hall_array.point_sensors(PLACES)
-    expected = hall_accuracy.of_sensors(sensors, WAVES, q.T, hall_accuracy.rms_radius(sensors))
+    expected = sensor_accuracy.of_sensors(sensors, WAVES, q.T, sensor_accuracy.rms_radius(sensors))
     sound = expected.condition < 1e3
-    np.testing.assert_allclose(hall_fisher.deviations(THREE, q).T[sound], expected.deviations[sound], rtol=1e-8)
+    np.testing.assert_allclose(fisher.deviations(THREE, q).T[sound], expected.deviations[sound], rtol=1e-8)
     assert sound.sum() > 450
 
 
@@ -47,20 +48,20 @@ def test_the_constant_counts() -> None:
 
     H = np.column_stack([(volts(q + step) - volts(q - step)) / (2 * d) for step in d * np.eye(3)])
     expected = 1e-3 * np.sqrt(np.diag(np.linalg.inv(H.T @ H)))
-    np.testing.assert_allclose(hall_fisher.deviations(array, q[:, None]).ravel(), expected, rtol=1e-5)
+    np.testing.assert_allclose(fisher.deviations(array, q[:, None]).ravel(), expected, rtol=1e-5)
 
 
 def test_the_worst_without_yaw_is_that_of_the_added_sensor() -> None:
-    worst = hall_fisher.worst(THREE)
+    worst = fisher.worst(THREE)
     np.testing.assert_allclose(worst.attained * 1e6, [5.2803, 5.3084, 198.002], rtol=2e-5)
     assert (worst.attained <= worst.bound).all() and (worst.bound <= 1.0011 * worst.attained).all()
-    at = hall_fisher.deviations(THREE, worst.at.T)
+    at = fisher.deviations(THREE, worst.at.T)
     np.testing.assert_allclose(np.diag(at), worst.attained, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("yaw", "largest"), [(5.0, 7.745), (15.0, 22.82), (45.0, 119.6)])
 def test_the_worst_over_yaw(yaw: float, largest: float) -> None:
-    worst = hall_fisher.worst(THREE, (radians(yaw), radians(yaw)), 1e-2)
+    worst = fisher.worst(THREE, (radians(yaw), radians(yaw)), 1e-2)
     assert max(worst.attained[:2]) * 1e6 <= largest * 1.001
     assert max(worst.bound[:2]) * 1e6 >= largest * 0.999
     assert (worst.bound <= 1.011 * worst.attained).all()
@@ -71,9 +72,9 @@ def count_exceeding(array: Array, half: np.ndarray, count: int = 4000) -> int:
     rng = np.random.default_rng(5)
     q = rng.uniform(0, 2 * np.pi, (3, count))
     _, bound = worst_deviation.bound_cells(
-        partial(hall_fisher.of_phases, array), partial(hall_fisher.column_changes, array), q, half
+        partial(fisher.of_phases, array), partial(fisher.column_changes, array), q, half
     )
-    s = hall_fisher.of_phases(array, q + half * np.sign(rng.uniform(-1, 1, q.shape)))
+    s = fisher.of_phases(array, q + half * np.sign(rng.uniform(-1, 1, q.shape)))
     assert np.isfinite(bound).all(axis=0).sum() > count / 10
     return int((s > bound).sum())
 
@@ -86,24 +87,24 @@ def test_no_pose_in_a_cell_exceeds_its_bound(array: Array, half: tuple[float, fl
 
 @pytest.mark.parametrize("part", [0, 1, 2])
 def test_a_bound_that_forgets_a_column_is_caught(part: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    right, kept = hall_fisher.column_changes, np.where(np.arange(3) == part, 0.0, 1.0)[:, None]
-    monkeypatch.setattr(hall_fisher, "column_changes", lambda *of: right(*of) * kept)
+    right, kept = fisher.column_changes, np.where(np.arange(3) == part, 0.0, 1.0)[:, None]
+    monkeypatch.setattr(fisher, "column_changes", lambda *of: right(*of) * kept)
     assert any(count_exceeding(THREE, np.array(half)[:, None]) for half in ((0.01, 0, 0), (0, 0.01, 0), (0, 0, 0.01)))
 
 
 def test_two_sensors_have_no_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hall_fisher, "MAX_CELLS", 200_000)
+    monkeypatch.setattr(fisher, "MAX_CELLS", 200_000)
     with pytest.raises(ModelError, match="rank seems to be lost: add a sensor"):
-        hall_fisher.worst(Array(PLACES[:2], 0.0, ALPHA, BETA))
+        fisher.worst(Array(PLACES[:2], 0.0, ALPHA, BETA))
 
 
 def test_lost_rank_is_infinite() -> None:
     array = Array(((0.0, 0.0), (l / 2, 0.0)), 0.0, ALPHA, 0.0)
-    assert np.isinf(hall_fisher.of_phases(array, np.array([[np.pi / 2], [0.0], [0.0]]))[0]) or (
-        hall_fisher.deviations(array, np.array([[l / 4], [0.0], [0.0]]))[0] > 1e3
+    assert np.isinf(fisher.of_phases(array, np.array([[np.pi / 2], [0.0], [0.0]]))[0]) or (
+        fisher.deviations(array, np.array([[l / 4], [0.0], [0.0]]))[0] > 1e3
     )
 
 
 def test_yaws_in_the_wrong_order_are_refused() -> None:
     with pytest.raises(ModelError, match="give the lower first"):
-        hall_fisher.worst(THREE, (0.1, -0.1))
+        fisher.worst(THREE, (0.1, -0.1))

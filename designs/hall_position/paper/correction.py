@@ -4,12 +4,12 @@
 
 A correction that does not lower J = |y - f(q)|^2 is rejected, and the next one of that body is half as long. In the
 field's axes R(yaw) y - B has the length of y - R(yaw)' B, and its Jacobian by the phases w X, w Y has the rows
-[g, 0, h] and [0, k, m] of `hall_fisher`.
+[g, 0, h] and [0, k, m] of `fisher`.
 """
 
 import numpy as np
 
-from models import hall_fisher
+from designs.hall_position.paper import fisher
 from models.hall_array import Array
 from models.hall_two_waves import PlanarArray
 
@@ -18,8 +18,8 @@ RANK = 1e-12  # of alpha^6 or alpha^4: a smaller determinant is singular
 
 def volts(array: PlanarArray, q: Array) -> Array:
     """Return the voltages by model (2) at q (3, N) in m and rad: (2, sensors, N) in V, in the field's axes X, Y."""
-    place = hall_fisher.sensor_phases(array, q[2])
-    return np.array([hall_fisher.field(array, array.wave_number * q[i] + place[i]) for i in (0, 1)])
+    place = fisher.sensor_phases(array, q[2])
+    return np.array([fisher.field(array, array.wave_number * q[i] + place[i]) for i in (0, 1)])
 
 
 def rotate_voltages(seen: Array, yaw: Array) -> Array:
@@ -41,7 +41,7 @@ def cost(array: PlanarArray, read: Array, q: Array) -> Array:
 def correction(array: PlanarArray, read: Array, q: Array, yaw_known: bool = False) -> Array:
     """Return the full correction (3, N) in m and rad, 0 where rank is lost in double precision."""
     w, free = array.wave_number, 2 if yaw_known else 3
-    H = hall_fisher.rows(array, np.array([w * q[0], w * q[1], q[2]])).jacobian[:free]
+    H = fisher.rows(array, np.array([w * q[0], w * q[1], q[2]])).jacobian[:free]
     e = residuals(array, read, q).reshape(-1, q.shape[1])
     N, right = np.einsum("imn,jmn->nij", H, H), np.einsum("imn,mn->ni", H, e)
     regular = np.abs(np.linalg.det(N)) > RANK * array.alpha ** (2 * free)

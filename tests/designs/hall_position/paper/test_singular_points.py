@@ -6,7 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from models import concentrated_field, hall_accuracy, hall_array, hall_fisher, hall_singular_points
+from designs.hall_position.paper import fisher, sensor_accuracy, singular_points
+from models import concentrated_field, hall_array
 from models.hall_two_waves import PlanarArray as Array
 from synth.analyse.observability import isolated_zeros
 from synth.errors import ModelError
@@ -18,7 +19,7 @@ WAVES = concentrated_field.waves_from_amplitudes({1: ALPHA / 8.4, 5: BETA / 8.4}
 
 
 def test_the_published_point_is_exact_and_one_of_many() -> None:
-    points = hall_singular_points.of_pair(PAIR, 0.0)
+    points = singular_points.of_pair(PAIR, 0.0)
     assert len(points) == 64
     off = np.abs(points - [l / 8, 3 * l / 8]).max(axis=1)
     assert off.min() < 1e-17  # an ulp of the place
@@ -26,10 +27,10 @@ def test_the_published_point_is_exact_and_one_of_many() -> None:
 
 @pytest.mark.parametrize("yaw", [0.0, 0.05, -0.7])
 def test_the_sensor_model_loses_rank_there(yaw: float) -> None:
-    points = hall_singular_points.of_pair(PAIR, yaw)
+    points = singular_points.of_pair(PAIR, yaw)
     sensors = hall_array.point_sensors(PLACES)
     poses = np.column_stack([points, np.full(len(points), yaw)])
-    assert len(poses) and (hall_accuracy.of_sensors(sensors, WAVES, poses, 0.01).condition > 1e12).all()
+    assert len(poses) and (sensor_accuracy.of_sensors(sensors, WAVES, poses, 0.01).condition > 1e12).all()
 
 
 def determinants(yaw: float) -> ca.Function:
@@ -50,7 +51,7 @@ def determinants(yaw: float) -> ca.Function:
 
 @pytest.mark.parametrize("yaw", [0.0, 0.05])
 def test_no_drawn_start_leads_elsewhere(yaw: float) -> None:
-    known, D = hall_singular_points.of_pair(PAIR, yaw), determinants(yaw)
+    known, D = singular_points.of_pair(PAIR, yaw), determinants(yaw)
     at = np.random.default_rng(2).uniform(0, 2 * np.pi, (2, 600))
     many = D.map(at.shape[1])
     for _ in range(25):
@@ -74,29 +75,29 @@ def test_a_point_that_is_not_met_is_caught(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(isolated_zeros, "newton", forgetful)
     monkeypatch.setattr(isolated_zeros, "MAX_BISECTIONS", 8)
     with pytest.raises(ModelError, match=r"near the phases 0.785\d, 2.35\d+ rad zeros meet"):
-        hall_singular_points.of_pair(PAIR, 0.0)
+        singular_points.of_pair(PAIR, 0.0)
 
 
 def test_cells_are_only_left_out_where_there_is_no_point() -> None:
-    points = hall_singular_points.of_pair(PAIR, 0.05) * 2 * np.pi / l
+    points = singular_points.of_pair(PAIR, 0.05) * 2 * np.pi / l
     rng = np.random.default_rng(4)
     for half in (0.05, 0.01, 1e-3):
         cells = points.T + rng.uniform(-half, half, points.T.shape)
-        assert hall_singular_points.possible(PAIR, 0.05, cells, half).all()
+        assert singular_points.possible(PAIR, 0.05, cells, half).all()
 
 
 def test_half_a_pitch_apart_a_line_is_lost() -> None:
     with pytest.raises(ModelError, match=r"at X = .* no slope along X, which is not observable on this whole line"):
-        hall_singular_points.of_pair(replace(PAIR, positions=((0.0, 0.0), (l / 2, 0.3 * l))), 0.0)
+        singular_points.of_pair(replace(PAIR, positions=((0.0, 0.0), (l / 2, 0.3 * l))), 0.0)
 
 
 def test_three_sensors_are_refused() -> None:
     with pytest.raises(ModelError, match="3 sensors"):
-        hall_singular_points.of_pair(replace(PAIR, positions=(*PLACES, (0.0, 0.01))), 0.0)
+        singular_points.of_pair(replace(PAIR, positions=(*PLACES, (0.0, 0.01))), 0.0)
 
 
 def test_deviations_have_no_bound_at_the_points() -> None:
-    points = hall_singular_points.of_pair(PAIR, 0.05)
+    points = singular_points.of_pair(PAIR, 0.05)
     q = np.vstack([points.T, np.full(len(points), 0.05)])
-    assert (hall_fisher.deviations(PAIR, q)[2] > 1e3).all()
-    assert (hall_fisher.deviations(PAIR, q + np.array([[1e-4], [0.0], [0.0]]))[2] < 1.0).all()
+    assert (fisher.deviations(PAIR, q)[2] > 1e3).all()
+    assert (fisher.deviations(PAIR, q + np.array([[1e-4], [0.0], [0.0]]))[2] < 1.0).all()

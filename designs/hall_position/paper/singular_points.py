@@ -1,6 +1,6 @@
 """Singular points of two sensors: all points of the pitch at which the Jacobian of their four voltages has rank 2.
 
-With the rows [g, 0, h] and [0, k, m] of `hall_fisher` the rank is lost, at a yaw, where both determinants vanish:
+With the rows [g, 0, h] and [0, k, m] of `fisher` the rank is lost, at a yaw, where both determinants vanish:
 
     D_X = g_1 h_2 - g_2 h_1 = 0,    D_Y = k_1 m_2 - k_2 m_1 = 0.
 
@@ -17,7 +17,7 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
-from models import hall_fisher
+from designs.hall_position.paper import fisher
 from models.hall_array import Array
 from models.hall_two_waves import PlanarArray
 from synth.analyse import precise
@@ -37,7 +37,7 @@ def of_pair(array: PlanarArray, yaw: float) -> Array:
     vanish together: then X is lost on a whole line.
     """
     if len(array.positions) != 2:
-        raise ModelError(f"{len(array.positions)} sensors: the determinants are those of two, see hall_fisher.worst")
+        raise ModelError(f"{len(array.positions)} sensors: the determinants are those of two, see fisher.worst")
     _check_slopes(array, yaw)
     with precise.precision():
         pair = _Pair.of(array, yaw)
@@ -50,12 +50,12 @@ def of_pair(array: PlanarArray, yaw: float) -> Array:
 def possible(array: PlanarArray, yaw: float, cells: Array, half: float) -> NDArray[np.bool_]:
     """Return which cells (2, N) may hold a point: no bound on the determinants excludes it."""
     q = np.vstack([cells, np.full(cells.shape[1], yaw)])
-    rows, offset = hall_fisher.rows(array, q), hall_fisher.sensor_phases(array, q[2])
+    rows, offset = fisher.rows(array, q), fisher.sensor_phases(array, q[2])
     is_possible = np.ones(cells.shape[1], dtype=bool)
     for i, j in ((0, 1), (1, 0)):
         p, across = cells[i] + offset[i], cells[j] + offset[j]
-        dg = np.abs(hall_fisher.field(array, p, 2)) * half + hall_fisher.derivative_bound(array, 3) / 2 * half**2
-        dB = np.abs(hall_fisher.field(array, across, 1)) * half + hall_fisher.derivative_bound(array, 2) / 2 * half**2
+        dg = np.abs(fisher.field(array, p, 2)) * half + fisher.derivative_bound(array, 3) / 2 * half**2
+        dB = np.abs(fisher.field(array, across, 1)) * half + fisher.derivative_bound(array, 2) / 2 * half**2
         g, h, dh = np.abs(rows.g[i]), np.abs(rows.h[i]), dB + np.abs(offset[j]) * dg
         D = rows.g[i, 0] * rows.h[i, 1] - rows.g[i, 1] * rows.h[i, 0]
         change = sum(g[a] * dh[b] + dg[a] * h[b] + dg[a] * dh[b] for a, b in ((0, 1), (1, 0)))
@@ -105,11 +105,11 @@ class _Pair:
 
 def _check_slopes(array: PlanarArray, yaw: float) -> None:
     """Raise ModelError where both slopes of an axis may vanish together, so that rank is lost on a line."""
-    for name, offset in zip("XY", hall_fisher.sensor_phases(array, np.array([yaw])), strict=True):
+    for name, offset in zip("XY", fisher.sensor_phases(array, np.array([yaw])), strict=True):
         half, along = pi / isolated_zeros.CELLS, isolated_zeros.grid(1)[0]
         for _ in range(isolated_zeros.MAX_BISECTIONS):
-            slopes = np.abs(hall_fisher.field(array, along + offset, 1))
-            along = along[(slopes <= hall_fisher.derivative_bound(array, 2) * half).all(axis=0)]
+            slopes = np.abs(fisher.field(array, along + offset, 1))
+            along = along[(slopes <= fisher.derivative_bound(array, 2) * half).all(axis=0)]
             half /= 2
             along = np.concatenate([along - half, along + half])
         if along.size:
