@@ -7,8 +7,8 @@ from scipy import ndimage, signal
 
 from designs.planar_6dof import experiments
 from designs.planar_6dof.loop import measured_positions, simulate
-from models import axis_figures
-from models.axis_figures import Margin, Step
+from designs.planar_6dof.paper import axis_loop
+from designs.planar_6dof.paper.axis_loop import Margin, Step
 from synth.report.audit import Printed
 from synth.simulate.rig import Rig
 from synth.statespace import Array
@@ -35,9 +35,7 @@ def recorded_step(loop: Rig, axis: str, printed: float) -> Step:
 
 def of_record(time: Array, y: Array) -> Step:
     """Return the figures of a step from 0 to 1, with a band at least as wide as the noise in the last quarter."""
-    return axis_figures.of_response(
-        time, y, max(axis_figures.SETTLING_BAND, float(np.abs(y[-len(y) // 4 :] - 1).max()))
-    )
+    return axis_loop.of_response(time, y, max(axis_loop.SETTLING_BAND, float(np.abs(y[-len(y) // 4 :] - 1).max())))
 
 
 def meets(margin: Margin, crossover: Printed, phase: Printed) -> bool:

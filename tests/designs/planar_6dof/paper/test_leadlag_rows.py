@@ -10,8 +10,9 @@ import scipy.signal
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from designs.planar_6dof.paper import axis_loop
 from designs.planar_6dof.paper.records import of_record
-from models import axis_figures, lorentz_motor, planar_stage
+from models import lorentz_motor, planar_stage
 from synth.analyse import loop
 from synth.plant import Plant
 from synth.report.audit import Row
@@ -349,16 +350,16 @@ def _late_plant(patch: pytest.MonkeyPatch) -> Plant:
 
 
 def _heavy_settling(patch: pytest.MonkeyPatch) -> Plant:
-    patch.setattr(axis_figures, "SETTLING_BAND", 1e-5)
-    right = axis_figures.of_response
-    patch.setattr(axis_figures, "of_response", lambda t, y, band=1e-5: right(t, y, band))
+    patch.setattr(axis_loop, "SETTLING_BAND", 1e-5)
+    right = axis_loop.of_response
+    patch.setattr(axis_loop, "of_response", lambda t, y, band=1e-5: right(t, y, band))
     return PLANT
 
 
 def _fresh(patch: pytest.MonkeyPatch) -> None:
     """Set aside what earlier rows have computed."""
     for name in ("margin", "sampled_margin", "step", "sampled_step"):
-        patch.setattr(axis_figures, name, getattr(axis_figures, name).__wrapped__)
+        patch.setattr(axis_loop, name, getattr(axis_loop, name).__wrapped__)
 
 
 @pytest.mark.parametrize(

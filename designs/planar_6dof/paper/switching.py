@@ -13,8 +13,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from designs.planar_6dof.paper.motors import constants
 from models import halbach, planar_stage
-from models.motor_figures import constants
 
 Array = NDArray[np.float64]
 Parameters = Mapping[str, float]

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
+from designs.planar_6dof.paper.motors import constants
 from models import lorentz_motor, planar_stage
-from models.motor_figures import constants
 from synth.signals import signal_names
 
 FORCE_ROUNDING = 1e-9  # of the largest acceleration of an axis by one motor: less is rounding
