@@ -7,7 +7,7 @@ formulas in published.toml. No verdict is stored.
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from designs.planar_6dof.paper import axis_loop, gains, kalman_filter, motors, platen, records, switching
+from designs.planar_6dof.paper import axis_loop, gains, kalman_filter, motors, records, switching
 from models import planar_stage
 from synth.plant import Plant
 from synth.report import audit
@@ -15,7 +15,7 @@ from synth.report.audit import Published, Row, Scope
 from synth.simulate.rig import Rig
 
 UNITS = {"mm": 1e-3, "um": 1e-6, "inch": 25.4e-3}  # in m
-MODULES = (motors, platen, switching, axis_loop, kalman_filter, gains, records)  # whose functions the formulas name
+MODULES = (motors, switching, axis_loop, kalman_filter, gains, records)  # whose functions the formulas name
 OPTIMAL = {f"Y-{n}" for n in (*range(10, 16), *range(36, 42))}  # the rows of planar_6dof_lqg
 
 
