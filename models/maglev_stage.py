@@ -15,7 +15,6 @@ With the forces F_H, F_V of `models.pmlsm` at each gap, the full model is
         theta'' = r (F_V(g2) - F_V(g4)) / I_z - k_s_theta theta
 
 The last terms of (6) read -C_v3 (L_v3(g1) + L_v3(g3)) u_z^2 - C_v3 (L_v3(g2) + L_v3(g4)) u_x^2. Currents are rms.
-`maglev_polynomial` has the model in the transformed currents of (8).
 
 Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (5)-(8), (12).
 """

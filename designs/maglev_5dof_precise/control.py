@@ -34,7 +34,8 @@ from designs.maglev.platen import (
     Axis,
     acceleration,
 )
-from models import maglev_inverse, maglev_stage, pmlsm
+from designs.maglev_5dof_precise import inverse
+from models import maglev_stage, pmlsm
 from synth import stage
 from synth.block import Block, Constant, Exprs, Step, build, clip
 from synth.blocks import predictive_servo, predictor, probe, range_numbers
@@ -162,7 +163,7 @@ def inversion(plant: Plant) -> Block:
         motors = [pmlsm.force_law(clip(y + tilt, s), values) for tilt, s in zip(tilts, HELD, strict=True)]
         demand = maglev_stage.thrust_currents(w, motors, values)
         i_q = [clip(demand[name], thrusting) for name in maglev_stage.QUADRATURE]
-        direct = maglev_inverse.direct_currents(w, {"phi": phi, "theta": theta}, i_q, motors, values)
+        direct = inverse.direct_currents(w, {"phi": phi, "theta": theta}, i_q, motors, values)
         i_d = [clip(i, lifting) for i in direct.currents]
         limited = {"u_x": platen.limit_thrust(demand["u_x"], i_d[1], i_d[3])}
         limited["u_z"] = platen.limit_thrust(demand["u_z"], i_d[0], i_d[2])

@@ -4,7 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from models import maglev_polynomial, maglev_stage
+from designs.maglev_5dof.paper import polynomial
+from models import maglev_stage
 from synth.analyse import magnitude
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal
@@ -18,7 +19,7 @@ BOX = (Signal("X", "m", -1.0, 2.0), Signal("Y", "rad", 0.0, 1.0))
 
 
 def of_stage(lv3: str) -> magnitude.Magnitudes:
-    model = maglev_polynomial.input_polynomial(maglev_stage.nominal(), lv3)
+    model = polynomial.input_polynomial(maglev_stage.nominal(), lv3)
     return magnitude.magnitudes(model.coefficients, {**model.x, **model.u}, ANGLES, "y", [0.02, 0.03], LEVEL)
 
 
@@ -38,7 +39,7 @@ def test_figures_at_20_and_30_mm(lv3: str, at_20: dict[str, float], at_30: dict[
 
 def dominates(magnitudes: magnitude.Magnitudes) -> bool:
     kept = ("a2", "a3", "a7")
-    dropped = [n for n in maglev_polynomial.NEGLIGIBLE if n.startswith("a")]
+    dropped = [n for n in polynomial.NEGLIGIBLE if n.startswith("a")]
     return min(magnitudes.of(n)[0] for n in kept) > max(magnitudes.of(n)[0] for n in dropped)
 
 
@@ -49,13 +50,13 @@ def test_the_kept_terms_dominate_with_csch2_alone() -> None:
 
 @pytest.mark.parametrize(("mm", "figure"), [(20, -17.501), (25, -5.2261), (30, 1.3445)])
 def test_a1_when_level(mm: int, figure: float) -> None:
-    model = maglev_polynomial.input_polynomial(maglev_stage.nominal())
+    model = polynomial.input_polynomial(maglev_stage.nominal())
     f = ca.Function("a1", [ca.vcat(list({**model.x, **model.u}.values()))], [model.coefficients["a1"]])
     assert float(f([mm * 1e-3, 0, 0, 0, 0])) == pytest.approx(figure, abs=6e-4)
 
 
 def test_no_sample_exceeds_a_maximum() -> None:
-    model = maglev_polynomial.input_polynomial(maglev_stage.nominal())
+    model = polynomial.input_polynomial(maglev_stage.nominal())
     magnitudes = of_stage("csch2")
     symbols = {**model.x, **model.u}
     f = ca.Function("f", [ca.vcat(list(symbols.values()))], [ca.vcat(list(model.coefficients.values()))])
@@ -89,7 +90,7 @@ def test_the_grid_alone_would_miss_the_peak(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_decoupling_of_the_stage_over_its_range() -> None:
-    model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
+    model = polynomial.simplified(polynomial.input_polynomial(maglev_stage.nominal()))
     conditioning = magnitude.conditioning(model.decoupling(), model.x, (STATES["y"], *ANGLES))
     assert conditioning.min_abs_det == pytest.approx(134.09, abs=5e-3)
     assert conditioning.max_cond == pytest.approx(3.6821, abs=5e-5)
@@ -104,7 +105,7 @@ def test_a_swapped_sign_in_the_input_transformation_makes_the_stage_singular(mon
         return right(v) | {"i_d1": (v["v_y"] - v["v_phi"]) / 2}
 
     monkeypatch.setattr(maglev_stage, "input_transformation", wrong)
-    model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
+    model = polynomial.simplified(polynomial.input_polynomial(maglev_stage.nominal()))
     assert magnitude.conditioning(model.decoupling(), model.x, (STATES["y"], *ANGLES)).min_abs_det == 0
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from models import maglev_polynomial, maglev_stage
+from designs.maglev_5dof.paper import polynomial
+from models import maglev_stage
 from synth.analyse import box, relative_degree, rounding
 from synth.analyse.relative_degree import RelativeDegree
 from synth.errors import ModelError
@@ -222,18 +223,18 @@ def test_more_outputs_than_inputs_and_an_output_that_nothing_moves() -> None:
         relative_degree.of_plant(plant)
 
 
-def simplified_stage() -> tuple[Plant, maglev_polynomial.InputPolynomial]:
+def simplified_stage() -> tuple[Plant, polynomial.InputPolynomial]:
     """The platen with (8) and (11), with the quadrature currents as states and their rates as inputs."""
     values = maglev_stage.nominal()
-    model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(values))
+    model = polynomial.simplified(polynomial.input_polynomial(values))
     of_model = ca.vcat([*model.x.values(), *model.u.values(), *model.v.values()])
     second = ca.Function("second", [of_model], list(model.accelerations().values()))
     currents = [s for s in maglev_stage.INPUTS if s.name in ("u_x", "u_z")]
-    inputs = [Signal(n, "A", -10, 10) for n in maglev_polynomial.TRANSFORMED]
+    inputs = [Signal(n, "A", -10, 10) for n in polynomial.TRANSFORMED]
     inputs += [Signal(f"{s.name}_rate", "A/s", -10, 10) for s in currents]
 
     def physics(x: textbook_plants.Symbols, u: textbook_plants.Symbols, p: textbook_plants.Symbols) -> tuple:
-        point = [x[n] for n in (*model.x, "u_x", "u_z")] + [u[n] for n in maglev_polynomial.TRANSFORMED]
+        point = [x[n] for n in (*model.x, "u_x", "u_z")] + [u[n] for n in polynomial.TRANSFORMED]
         accelerations = dict(zip(maglev_stage.RATE, second(ca.vertcat(*point)), strict=True))
         rates = {q: x[v] for q, v in maglev_stage.RATE.items()}
         rates |= {v: accelerations[q] for q, v in maglev_stage.RATE.items()}

@@ -4,7 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from models import maglev_polynomial, maglev_stage
+from designs.maglev_5dof.paper import polynomial
+from models import maglev_stage
 from synth.analyse import box, magnitude, singularity
 from synth.errors import ModelError
 from synth.signals import Signal
@@ -81,11 +82,11 @@ def test_the_condition_does_not_depend_on_units() -> None:
 
 def test_the_stage_agrees_with_the_magnitudes() -> None:
     """Where rows and columns have size 1 the condition number is the other module's, up to that of the strongest."""
-    model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
+    model = polynomial.simplified(polynomial.input_polynomial(maglev_stage.nominal()))
     states = tuple(s for s in maglev_stage.STATES if s.name in ("y", "phi", "theta"))
     symbols = {s.name: model.x[s.name] for s in states}
     D = ca.densify(model.decoupling())
-    inputs = tuple(Signal(n, "A", -1.0, 1.0) for n in maglev_polynomial.TRANSFORMED)
+    inputs = tuple(Signal(n, "A", -1.0, 1.0) for n in polynomial.TRANSFORMED)
     scaled = singularity.scaled(D, ca.vcat(list(symbols.values())), states, inputs, ("y", "phi", "theta"))
     rows = ca.mtimes(ca.diag(ca.SX(1 / scaled.rows)), D)
     other = magnitude.conditioning(rows, symbols, states)

@@ -6,7 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from models import maglev_polynomial, maglev_stage, pmlsm, slotted_field
+from designs.maglev_5dof.paper import polynomial
+from models import maglev_stage, pmlsm, slotted_field
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
@@ -141,7 +142,7 @@ def test_friction_and_cogging_push_as_they_are_written() -> None:
 
 def random_v(count: int) -> list[dict[str, float]]:
     rng = np.random.default_rng(3)
-    v = [dict(zip(maglev_polynomial.TRANSFORMED, rng.uniform(-5, 5, 3), strict=True)) for _ in range(count)]
+    v = [dict(zip(polynomial.TRANSFORMED, rng.uniform(-5, 5, 3), strict=True)) for _ in range(count)]
     return [x | u | w for (x, u), w in zip(random_points(count), v, strict=True)]
 
 
@@ -190,7 +191,7 @@ def test_a_planted_change_in_a_parameter_of_the_inverse_shows(name: str, monkeyp
 
 def test_without_the_squares_of_the_direct_currents_it_is_12() -> None:
     """The witness: (11) solved for v by cofactors of its decoupling matrix, and (8)."""
-    model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
+    model = polynomial.simplified(polynomial.input_polynomial(maglev_stage.nominal()))
     axes = ("y", "phi", "theta")
     demand = {q: ca.SX.sym(f"w_{q}") for q in axes}
     second = model.accelerations()

@@ -1,7 +1,7 @@
 """Computations of the audit: parameters by group, and cached runs of the closed loop, ideal or with encoders.
 
-Ideal loops are those of `models.maglev_loop`, without sampling, filters and encoders. Their currents are not limited,
-but stay below 7 A peak. In the linear loop, e'' = w of (13) replaces both the law and the plant.
+Ideal loops are those of `ideal_loop`, without sampling, filters and encoders. Their currents are not limited, but stay
+below 7 A peak. In the linear loop, e'' = w of (13) replaces both the law and the plant.
 
 "Encoders" is the compiled controller at 1 kHz with encoders of 10 um, its filters and one sample of delay. Its law is
 (12) as printed, or with `corrected` the shipped law, which includes the squares of i_d that (11) neglects and partly
@@ -21,8 +21,9 @@ from scipy.linalg import expm
 
 from designs.maglev import motions, platen
 from designs.maglev_5dof import control
-from models import maglev_loop, maglev_stage
-from models.maglev_loop import Motion, Regulator
+from designs.maglev_5dof.paper import ideal_loop
+from designs.maglev_5dof.paper.ideal_loop import Motion, Regulator
+from models import maglev_stage
 from synth import cache
 from synth.declaration import Stage
 from synth.emit import write
@@ -105,7 +106,7 @@ def run(
 ) -> Motion:
     """Return the motion of the first plant under the law (12) for the second; `courses` gives the controlled axes."""
     regulators = [regulator(axis(name)) for name in courses]
-    return maglev_loop.run(*plants, regulators, courses, start, (duration_s, SAMPLE), lv3)
+    return ideal_loop.run(*plants, regulators, courses, start, (duration_s, SAMPLE), lv3)
 
 
 def ideal_errors(setup: AuditSetup, four: bool, springs: SpringModel, lv3: str = "csch2") -> dict[str, float]:

@@ -8,14 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from designs.maglev import platen
-from designs.maglev_5dof.paper import closed_loop_runs
+from designs.maglev_5dof.paper import closed_loop_runs, platen_figures
 from designs.maglev_5dof.paper.closed_loop_runs import BY_GROUP, AuditSetup
-from models import maglev_figures
 from synth.declaration import Stage
 from synth.report import audit
 from synth.report.audit import Published, Row, Scope
 
-FORMULAS = (closed_loop_runs, maglev_figures)  # formulas may use all names of these modules
+FORMULAS = (closed_loop_runs, platen_figures)  # formulas may use all names of these modules
 
 
 def rows(stage: Stage) -> Iterator[Row]:

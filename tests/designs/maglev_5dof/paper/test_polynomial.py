@@ -6,12 +6,13 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from models import maglev_polynomial, maglev_stage
+from designs.maglev_5dof.paper import polynomial
+from models import maglev_stage
 from synth.errors import ModelError
 from tests.models.test_maglev_stage import VALUES, force_factors, printed_accelerations, random_points, random_v
 
 
-def evaluate(model: maglev_polynomial.InputPolynomial, exprs: list[ca.SX], point: Mapping[str, float]) -> np.ndarray:
+def evaluate(model: polynomial.InputPolynomial, exprs: list[ca.SX], point: Mapping[str, float]) -> np.ndarray:
     symbols = {**model.x, **model.u, **model.v}
     f = ca.Function("f", [ca.vcat(list(symbols.values()))], [ca.vcat(exprs)])
     return np.asarray(f([point[n] for n in symbols])).ravel()
@@ -19,7 +20,7 @@ def evaluate(model: maglev_polynomial.InputPolynomial, exprs: list[ca.SX], point
 
 @pytest.mark.parametrize("lv3", ["csch2", "coth2"])
 def test_the_polynomial_sums_to_the_full_model(lv3: str) -> None:
-    model = maglev_polynomial.input_polynomial(maglev_stage.nominal(), lv3)
+    model = polynomial.input_polynomial(maglev_stage.nominal(), lv3)
     for at in random_v(20):
         values = evaluate(model, list(model.accelerations().values()), at)
         u = at | {n: float(i) for n, i in maglev_stage.input_transformation(at).items()}
@@ -27,21 +28,21 @@ def test_the_polynomial_sums_to_the_full_model(lv3: str) -> None:
 
 
 def test_a_polynomial_that_lacks_a_term_does_not_sum_to_the_model() -> None:
-    whole = maglev_polynomial.input_polynomial(maglev_stage.nominal())
+    whole = polynomial.input_polynomial(maglev_stage.nominal())
     at = random_v(1)[0]
-    for term in maglev_polynomial.TERMS:
-        part = maglev_polynomial.simplified(whole, [term])
+    for term in polynomial.TERMS:
+        part = polynomial.simplified(whole, [term])
         difference = [a - b for a, b in zip(whole.accelerations().values(), part.accelerations().values(), strict=True)]
         assert np.abs(evaluate(whole, difference, at)).max() > 1e-6, term
 
 
 def test_the_simplified_model_is_the_full_one_without_the_dropped_terms() -> None:
-    full = maglev_polynomial.input_polynomial(maglev_stage.nominal())
-    kept = maglev_polynomial.simplified(full)
-    assert set(full.coefficients) - set(kept.coefficients) == set(maglev_polynomial.NEGLIGIBLE)
+    full = polynomial.input_polynomial(maglev_stage.nominal())
+    kept = polynomial.simplified(full)
+    assert set(full.coefficients) - set(kept.coefficients) == set(polynomial.NEGLIGIBLE)
     for at in random_v(10):
         c = dict(zip(full.coefficients, evaluate(full, list(full.coefficients.values()), at), strict=True))
-        vy, vphi, vtheta = (at[n] for n in maglev_polynomial.TRANSFORMED)
+        vy, vphi, vtheta = (at[n] for n in polynomial.TRANSFORMED)
         y = c["a4"] * vphi * vy + c["a5"] * vphi**2 + c["a6"] * vy**2 + c["a8"] * vy * vtheta + c["a9"] * vtheta**2
         phi = c["b4"] * vphi * vy + c["b5"] * vphi**2 + c["b6"] * vy**2
         theta = c["c4"] * vy * vtheta + c["c5"] * vtheta**2 + c["c6"] * vy**2
@@ -54,7 +55,7 @@ def test_the_simplified_model_is_the_full_one_without_the_dropped_terms() -> Non
 
 
 def test_coefficients_depend_on_what_is_printed_in_their_brackets() -> None:
-    model = maglev_polynomial.input_polynomial(maglev_stage.nominal())
+    model = polynomial.input_polynomial(maglev_stage.nominal())
     both, by_phi, by_theta = {"y", "phi", "theta"}, {"y", "phi"}, {"y", "theta"}
     printed_arguments = {"a1": both | {"u_x", "u_z"}, "a3": both, "a6": both, "h_x": by_theta, "h_z": by_phi}
     printed_arguments |= dict.fromkeys(("a2", "a4", "a5", "b2", "b3", "b4", "b5", "b6"), by_phi)
@@ -64,16 +65,16 @@ def test_coefficients_depend_on_what_is_printed_in_their_brackets() -> None:
 
 
 def test_unknown_names_are_refused() -> None:
-    model = maglev_polynomial.input_polynomial(maglev_stage.nominal())
+    model = polynomial.input_polynomial(maglev_stage.nominal())
     with pytest.raises(ModelError, match="a10"):
-        maglev_polynomial.simplified(model, ["a10"])
+        polynomial.simplified(model, ["a10"])
     with pytest.raises(ModelError, match="h_x"):
-        maglev_polynomial.simplified(model, ["h_x"])
+        polynomial.simplified(model, ["h_x"])
 
 
 def test_parameters_may_stay_symbols() -> None:
     p = maglev_stage.parameter_symbols()
-    model = maglev_polynomial.input_polynomial(p)
+    model = polynomial.input_polynomial(p)
     f = ca.Function("a3", [ca.vcat(list(model.x.values())), ca.vcat(list(p.values()))], [model.coefficients["a3"]])
     at_rest = [0.025, 0.0, 0.0]
     slope = force_factors(0.025, "csch2")["v2"]
@@ -84,14 +85,14 @@ def test_parameters_may_stay_symbols() -> None:
 
 def reached(flip: str = "") -> float:
     """Return the largest error of (11) under (12), with the sign of one current changed."""
-    model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
+    model = polynomial.simplified(polynomial.input_polynomial(maglev_stage.nominal()))
     axes, rng, worst = tuple(maglev_stage.RATE), np.random.default_rng(11), 0.0
     second = list(model.accelerations().values())
     for x, _ in random_points(20):
         at = {n: x[n] for n in ("y", "phi", "theta")}
         w = dict(zip(axes, rng.uniform(-10, 10, 5), strict=True))
         position = {n: ca.SX(v) for n, v in at.items()}
-        law = maglev_polynomial.inverse(model, {n: ca.SX(v) for n, v in w.items()})
+        law = polynomial.inverse(model, {n: ca.SX(v) for n, v in w.items()})
         currents = {n: -e if n == flip else e for n, e in law.items()}
         old, new = (ca.vcat([d[n] for n in model.x]) for d in (model.x, position))
         v = {n: float(ca.DM(ca.substitute(e, old, new))) for n, e in currents.items()}
@@ -107,10 +108,10 @@ def test_the_law_makes_double_integrators_of_the_simplified_model_and_a_wrong_si
 def test_without_rotations_the_law_keeps_the_platen_level() -> None:
     """All direct currents are alike, and the first row of (12) alone is met."""
     w = {n: ca.SX(v) for n, v in {"y": 1.0, "x": 0.5, "z": -0.5, "phi": 3.0, "theta": 3.0}.items()}
-    law = maglev_polynomial.law(maglev_stage.nominal(), "csch2", {"y": ca.SX(0.025)}, w)
+    law = polynomial.law(maglev_stage.nominal(), "csch2", {"y": ca.SX(0.025)}, w)
     i_d = [float(law[f"i_d{j}"]) for j in range(1, 5)]
     assert max(i_d) - min(i_d) == 0.0
-    model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
+    model = polynomial.simplified(polynomial.input_polynomial(maglev_stage.nominal()))
     at = {"y": 0.025, "phi": 0.0, "theta": 0.0, "v_y": 2 * i_d[0], "v_phi": 0.0, "v_theta": 0.0}
     at |= {n: float(law[n]) for n in ("u_x", "u_z")}
     assert evaluate(model, [model.accelerations()["y"]], at) == pytest.approx([1.0], abs=1e-12)

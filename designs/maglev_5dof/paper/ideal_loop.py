@@ -15,7 +15,8 @@ import casadi as ca
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from models import maglev_polynomial, maglev_stage
+from designs.maglev_5dof.paper import polynomial
+from models import maglev_stage
 from synth.plant import Plant
 from synth.simulate.conditions import Sine
 from synth.simulate.scenario import sample_times
@@ -94,7 +95,7 @@ def _derivative(regulators: tuple[Regulator, ...], frequency: float, lv3: str) -
         z = ca.vertcat(position[r.axis] - reference, speed[r.axis] - ca.jacobian(reference, t), xi)
         w[r.axis] = ca.mtimes(ca.DM(np.asarray(r.K)), z)
         d_xi.append(ca.mtimes(ca.DM(np.asarray(r.A)), z)[2:])
-    inputs = maglev_polynomial.law(known, lv3, position, w)
+    inputs = polynomial.law(known, lv3, position, w)
     pose = {n: position.get(n, ca.SX(0)) for n in ("y", "phi", "theta")}
     second = maglev_stage.accelerations(pose, inputs, true, maglev_stage.force_variant(lv3))
     slopes = [slope for s in position for slope in (speed[s], second[s])]

@@ -15,8 +15,9 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import brentq
 
-from models import maglev_polynomial, maglev_stage, pmlsm, slotted_field
-from models.maglev_polynomial import InputPolynomial, inverse
+from designs.maglev_5dof.paper import polynomial
+from designs.maglev_5dof.paper.polynomial import InputPolynomial, inverse
+from models import maglev_stage, pmlsm, slotted_field
 from synth.analyse import magnitude
 from synth.plant import Plant
 from synth.signals import Signal
@@ -94,13 +95,13 @@ def a1(plant: Plant, gap: float) -> float:
 
 def decoupling(plant: Plant) -> magnitude.Conditioning:
     """Return the least determinant and the greatest condition number of the matrix in (12) over the box of poses."""
-    model = maglev_polynomial.simplified(_polynomial(plant))
+    model = polynomial.simplified(_polynomial(plant))
     return magnitude.conditioning(model.decoupling(), model.x, _box(plant, "y", "phi", "theta"))
 
 
 @lru_cache(maxsize=8)
 def _polynomial(plant: Plant, lv3: str = "csch2") -> InputPolynomial:
-    return maglev_polynomial.input_polynomial(maglev_stage.nominal(plant), lv3)
+    return polynomial.input_polynomial(maglev_stage.nominal(plant), lv3)
 
 
 def _box(plant: Plant, *names: str) -> list[Signal]:
@@ -122,7 +123,7 @@ def dominance(plant: Plant, lv3: str, low: float, high: float, phi: float, theta
 def inversion(plant: Plant) -> Inversion:
     """Return (11) under (12), which is (13), and the residual accelerations of the full model (9) under it."""
     full = _polynomial(plant)
-    model = maglev_polynomial.simplified(full)
+    model = polynomial.simplified(full)
     w = {n: ca.SX.sym(f"w_{n}") for n in maglev_stage.RATE}
     law = inverse(model, w)
     nominal, residual = _closed_loop(model, law), _closed_loop(full, law)

@@ -10,9 +10,10 @@ from scipy.linalg import solve_continuous_are
 
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
+from designs.maglev_5dof.paper import platen_figures, polynomial
 from designs.maglev_5dof.paper import rows as paper
 from designs.maglev_5dof.paper.closed_loop_runs import SPRING_STIFFNESSES, AuditSetup
-from models import maglev_figures, maglev_polynomial, maglev_stage
+from models import maglev_stage
 from synth.analyse import operating_points
 from synth.report import audit
 from synth.report.audit import Published, Row
@@ -254,16 +255,16 @@ Patch = Callable[[pytest.MonkeyPatch], None]
 
 
 def _sign_in_the_inverse(patch: pytest.MonkeyPatch) -> None:
-    right = maglev_figures.inverse
+    right = platen_figures.inverse
     patch.setattr(
-        maglev_figures, "inverse", lambda m, w: {n: -e if n == "v_phi" else e for n, e in right(m, w).items()}
+        platen_figures, "inverse", lambda m, w: {n: -e if n == "v_phi" else e for n, e in right(m, w).items()}
     )
 
 
 def _singular_matrix(patch: pytest.MonkeyPatch) -> None:
-    kept = (*maglev_polynomial.NEGLIGIBLE, "b2")
-    right = maglev_polynomial.simplified
-    patch.setattr(maglev_polynomial, "simplified", lambda m: right(m, kept))
+    kept = (*polynomial.NEGLIGIBLE, "b2")
+    right = polynomial.simplified
+    patch.setattr(polynomial, "simplified", lambda m: right(m, kept))
 
 
 def _scaled_weights(patch: pytest.MonkeyPatch) -> None:
