@@ -34,7 +34,6 @@ def plant() -> Plant:
     """Return the plant with twelve phase currents; ``<output>_read`` are the readings of the encoders."""
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
-        total = dict.fromkeys(("y", "x", "z", "phi", "theta"), ca.SX(0))
         angles = [windings.electrical_angle(x[along], p["tau"]) for along in maglev_phases.ALONG]
         F_H, F_V = [], []
         for j, (g, angle) in enumerate(zip(maglev_stage.gaps(x, p), angles, strict=True), 1):
@@ -42,14 +41,7 @@ def plant() -> Plant:
             i_d, i_q = windings.rotor_currents([u[f"i_{phase}{j}"] for phase in "abc"], angle)
             F_H.append((1 + p["force"]) * pmlsm.thrust(g, i_q, of_motor))
             F_V.append((1 + p["force"]) * pmlsm.normal_force(g, i_d, i_q, of_motor))
-        total = {
-            "y": p["G"] + sum(F_V) / p["M_y"],
-            "x": (F_H[1] + F_H[3]) / p["M_x"],
-            "z": (F_H[0] + F_H[2]) / p["M_z"],
-            "phi": p["r"] * (F_V[2] - F_V[0]) / p["I_x"] - p["k_s_phi"] * x["phi"],
-            "theta": p["r"] * (F_V[1] - F_V[3]) / p["I_z"] - p["k_s_theta"] * x["theta"],
-        }
-        derivative, outputs = maglev_stage.motion(x, total, p)
+        derivative, outputs = maglev_stage.motion(x, maglev_stage.platen_accelerations(x, F_H, F_V, p), p)
         for k, name in enumerate(READ):
             s = outputs[name]
             outputs[f"{name}_read"] = s + p["encoder_error"] * ca.sin(2 * ca.pi * s / SCALE + k)

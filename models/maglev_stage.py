@@ -125,6 +125,11 @@ def motor_accelerations(
     motors = [(g, *pair) for g, pair in zip(gaps(x, p), currents, strict=True)]
     F_V = [pmlsm.normal_force(gap, i_d, i_q, p, variant) for gap, i_d, i_q in motors]
     F_H = [pmlsm.thrust(gap, i_q, p, variant) for gap, _, i_q in motors]
+    return platen_accelerations(x, F_H, F_V, p)
+
+
+def platen_accelerations(x: Exprs, F_H: Sequence[ca.SX], F_V: Sequence[ca.SX], p: Exprs) -> dict[str, ca.SX]:
+    """Return the `accelerations` from thrust and normal force of each of the four motors, in N."""
     return {
         "y": p["G"] + sum(F_V) / p["M_y"],
         "x": (F_H[1] + F_H[3]) / p["M_x"],
