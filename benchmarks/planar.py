@@ -16,12 +16,12 @@ import numpy as np
 
 from benchmarks import parts
 from designs.planar_6dof import cost_stimuli, interface, loop, lqg
+from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as of_leadlag
 from designs.planar_6dof_lqg import core
 from designs.planar_6dof_lqg import experiments as of_lqg
 from models import planar_stage
-from models.planar_allocation import HORIZONTAL
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host

@@ -7,8 +7,8 @@ from typing import Any
 
 from designs.planar_6dof import artefacts, cost_stimuli, faults, interface, loop, loops, verification
 from designs.planar_6dof.random_steps import Subject
+from designs.planar_6dof.sensing import sections as sensing
 from models import halbach, papers, planar_stage
-from models import hall_sections as sensing
 from synth import stage, standard_tasks
 from synth.blocks import repeated_codes
 from synth.campaign import StudyLimits

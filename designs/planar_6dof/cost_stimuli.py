@@ -12,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from designs.planar_6dof import interface
+from designs.planar_6dof import allocation, interface
 from designs.planar_6dof.loop import Array
-from models import hall_calibration, hall_contradictions, planar_stage
-from models import hall_sections as sensing
-from models import planar_allocation as allocation
+from designs.planar_6dof.sensing import calibration, contradictions
+from designs.planar_6dof.sensing import sections as sensing
+from models import planar_stage
 from synth.execute import host
 from synth.verify import steps
 from synth.verify.sampling import Columns
@@ -35,7 +35,7 @@ GROUPS = (
     *(tuple(n for n in HALL if n[3] == axis) for axis in "xy"),
     HALL,
 )
-BOUND = hall_contradictions.RESIDUAL_BOUND * hall_calibration.of(planar_stage.plant()).amplitude  # V, of a residual
+BOUND = contradictions.RESIDUAL_BOUND * calibration.of(planar_stage.plant()).amplitude  # V, of a residual
 
 
 def stimuli(controller: host.Controller) -> list[Steps]:

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy import signal
 
-from models import hall_calibration
-from models import hall_section_maps as sensing_maps
+from designs.planar_6dof.sensing import calibration
+from designs.planar_6dof.sensing import maps as sensing_maps
 from synth.plant import Plant
 from synth.report import charts, figures, maps
 from synth.report.charts import Chart, Line
@@ -26,7 +26,7 @@ IN_PLANE = ("x, mm", "y, mm")
 
 def pitch(plant: Plant) -> Figure:
     """Draw Figs. 3 and 4: the two voltages of x over a pitch, which of them is used, and the error of the fit."""
-    cal = hall_calibration.of(plant)
+    cal = calibration.of(plant)
     x = cal.pitch * np.linspace(-0.4999, 0.4999, 16 * POINTS + 1)
     v, level = sensing_maps.voltages(plant, {"x": x}), np.zeros_like(x)
     error, _ = sensing_maps.errors(plant, {"x": x, "y": level, "phi": level, "z": level})
@@ -62,7 +62,7 @@ def undetected_failures(plant: Plant, silent: Mapping[str, NDArray[np.bool_]]) -
 
 
 def _over_pitch(plant: Plant) -> tuple[maps.Side, maps.Side]:
-    half = 500 * hall_calibration.of(plant).pitch
+    half = 500 * calibration.of(plant).pitch
     return (-half, half), (-half, half)
 
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from designs.planar_6dof import interface
 from designs.planar_6dof.loop import Array, measured_positions
-from models import hall_calibration, hall_contradictions, planar_stage
-from models import hall_sections as sensing
+from designs.planar_6dof.sensing import calibration, contradictions
+from designs.planar_6dof.sensing import sections as sensing
+from models import planar_stage
 from synth.check import Check
 from synth.simulate import failure, failure_experiments
 from synth.simulate.experiment import Experiment
@@ -53,10 +54,10 @@ def contradicts(loop: Rig, run: Trajectory) -> NDArray[np.bool_]:
 
 
 def residuals(loop: Rig, run: Trajectory) -> Array:
-    """Return rho (N,) of `hall_sections`, 0 once the fault word names a channel."""
-    measured, A = measured_positions(loop, run), hall_calibration.of(loop.plant).amplitude
+    """Return rho (N,) of `sensing.sections`, 0 once the fault word names a channel."""
+    measured, A = measured_positions(loop, run), calibration.of(loop.plant).amplitude
     bounds = {
-        s.name: hall_contradictions.EXCESS_BOUND * A**2 if s.unit == "V^2" else hall_contradictions.RESIDUAL_BOUND * A
+        s.name: contradictions.EXCESS_BOUND * A**2 if s.unit == "V^2" else contradictions.RESIDUAL_BOUND * A
         for s in sensing.RESIDUALS
     }
     rho = np.sqrt(np.sum([(measured[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))

@@ -32,7 +32,7 @@ from functools import cache, partial
 import casadi as ca
 import numpy as np
 
-from models import hall_sections as sensing
+from designs.planar_6dof.sensing import sections as sensing
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.statespace import StateSpace, readonly
 from synth.synthesise.observers import kalman

@@ -22,11 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
+from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.experiments import MICRO_UNITS
 from designs.planar_6dof.interface import NOISE
 from designs.planar_6dof.loop import Array, measured_positions, simulate
 from models import finite_stage, planar_stage
-from models.planar_allocation import HORIZONTAL
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run

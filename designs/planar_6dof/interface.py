@@ -14,8 +14,9 @@ from functools import partial
 import numpy as np
 
 from designs.planar_6dof import vertical
-from models import hall_calibration, planar_stage
-from models import hall_sections as sensing
+from designs.planar_6dof.sensing import calibration
+from designs.planar_6dof.sensing import sections as sensing
+from models import planar_stage
 from synth import stage
 from synth.block import Block
 from synth.declaration import Actuator, Composition, Controller, Interface, Sensor, SetPoint
@@ -37,7 +38,7 @@ SLEW = 126.0  # A/s: from the limit to 0 in 10 ms, three times L/R; a winding ne
 SURROGATE_ERROR: Mapping[type[np.floating], float] = {np.float32: 2e-5, np.float64: 1e-14}
 
 
-VOLTS_PER_METRE = hall_calibration.of(planar_stage.plant()).volts_per_metre  # of the fundamental where it is 0
+VOLTS_PER_METRE = calibration.of(planar_stage.plant()).volts_per_metre  # of the fundamental where it is 0
 _HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, offset=HALL_OFFSET, gain_error=HALL_GAIN_ERROR)
 _LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE)
 

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from designs.planar_6dof import filtering, interface
+from designs.planar_6dof.sensing import sections as sensing
 from models import halbach, planar_stage
-from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.composition import compose

@@ -22,11 +22,10 @@ from functools import partial
 
 import numpy as np
 
-from designs.planar_6dof import interface
+from designs.planar_6dof import allocation, interface
 from designs.planar_6dof import loop as simulated
-from models import planar_allocation as allocation
+from designs.planar_6dof.allocation import AXES
 from models import planar_stage
-from models.planar_allocation import AXES
 from models.planar_stage import commutation_matrix
 from synth.analyse import linearisation, loop, operating_points, stability_margins
 from synth.block import Block

@@ -6,7 +6,7 @@ The model is (26) with the integrators of (31): states (x y phi z1 z2 z3 d f v),
         f_x = k i_C,   f_y = k (i_A + i_B),   m_phi = k a (i_B - i_A),   k = 13.2547 M
 
 turns the currents into forces, for which the allocation also compensates the yaw torque of motor C that (26) neglects.
-In these forces K decouples into three axes q'' = b f, with f divided by its scale in `planar_allocation`, in A. Each
+In these forces K decouples into three axes q'' = b f, with f divided by its scale in `allocation`, in A. Each
 axis knows f1, the achieved demand of the sample before, which acts until the next sample. It estimates the rate alone,
 with L = (1 - p) / T:
 
@@ -29,11 +29,10 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import interface, motion, vertical
+from designs.planar_6dof import allocation, interface, motion, vertical
+from designs.planar_6dof.allocation import HORIZONTAL
+from designs.planar_6dof.sensing.sections import READY
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
-from models import planar_allocation as allocation
-from models.hall_sections import READY
-from models.planar_allocation import HORIZONTAL
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.blocks import following

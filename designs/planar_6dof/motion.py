@@ -17,10 +17,9 @@ by that, if the motion does not show it earlier. Figures: docs/decisions/planar_
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from designs.planar_6dof import interface, vertical
-from models import hall_sections as sensing
-from models import planar_allocation as allocation
-from models.planar_allocation import HORIZONTAL
+from designs.planar_6dof import allocation, interface, vertical
+from designs.planar_6dof.allocation import HORIZONTAL
+from designs.planar_6dof.sensing import sections as sensing
 from synth.block import Block, Exprs, State, Step, build
 from synth.blocks import braking, dead_reckoning, start
 from synth.plant import Plant

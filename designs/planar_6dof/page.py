@@ -13,11 +13,11 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.planar_6dof import drawings, loops, verification
+from designs.planar_6dof import allocation, drawings, loops, verification
 from designs.planar_6dof import loop as simulated
-from models import hall_calibration, planar_stage
-from models import hall_section_maps as sensing_maps
-from models import planar_allocation as allocation
+from designs.planar_6dof.sensing import calibration
+from designs.planar_6dof.sensing import maps as sensing_maps
+from models import planar_stage
 from synth.block import Block
 from synth.declaration import Stage
 from synth.emit.write import EmittedCode
@@ -123,8 +123,8 @@ def _stage(plant: Plant, block: Block) -> dict[str, Content]:
             ("K", K, "N/A", "force of a motor per ampere, (17) with 3/(2π)"),
             ("K / M", K / M, "m/s²/A", "(26) prints 13.2547, which carries the factor 1/2 of (17)"),
             ("K a / Izz", K * a / Izz, "rad/s²/A", "(26) prints 117.15"),
-            ("A", hall_calibration.of(plant).amplitude, "V", "amplitude of a Hall voltage's fundamental"),
-            ("A γ", hall_calibration.of(plant).volts_per_metre / 1e3, "V/mm", "its slope where it is 0"),
+            ("A", calibration.of(plant).amplitude, "V", "amplitude of a Hall voltage's fundamental"),
+            ("A γ", calibration.of(plant).volts_per_metre / 1e3, "V/mm", "its slope where it is 0"),
         ],
         "sensing.pitch": drawings.pitch(plant),
         "sensing.yaw": drawings.yaw_maps(plant),

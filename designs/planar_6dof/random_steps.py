@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof import cost_stimuli, motion
-from models import hall_calibration, planar_stage
-from models import hall_sections as sensing
-from models import planar_allocation as allocation
+from designs.planar_6dof import allocation, cost_stimuli, motion
+from designs.planar_6dof.sensing import calibration
+from designs.planar_6dof.sensing import sections as sensing
+from models import planar_stage
 from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -136,7 +136,7 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
 
 def _first_residuals(rng: np.random.Generator, n: int) -> Columns:
     """Return the residuals of first contradictions, by one voltage or by another amplitude of all."""
-    alike, A = _random_flags(rng, n, ALIKE), hall_calibration.of(planar_stage.plant()).amplitude
+    alike, A = _random_flags(rng, n, ALIKE), calibration.of(planar_stage.plant()).amplitude
     m = 0.3 * A**2 * rng.normal(size=n)
     columns = {"m_x": m, "m_y": np.where(alike > 0, m * rng.uniform(0.5, 1.5, n), rng.normal(0, 0.3 * A**2, n))}
     columns |= {r: np.where(alike > 0, 0.01, 0.1) * A * rng.normal(size=n) for r in ("r_1", "r_2")}

@@ -15,11 +15,10 @@ from math import pi
 
 import numpy as np
 
-from designs.planar_6dof import failures, interface, random_steps
+from designs.planar_6dof import allocation, failures, interface, random_steps
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import Array, growing_circle, simulate
 from designs.planar_6dof.random_steps import Columns, Subject
-from models import planar_allocation as allocation
 from models import planar_stage
 from synth.check import Check
 from synth.simulate.rig import Rig

@@ -9,7 +9,7 @@
 
 Both are sampled by Tustin's rule; docs/decisions/planar_leadlag.md says why.
 
-Each loop is that of `synth.blocks.lead_lag`, all divided by the scale of the axis in `planar_allocation`, so d is its
+Each loop is that of `synth.blocks.lead_lag`, all divided by the scale of the axis in `allocation`, so d is its
 demand in A. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
 """
 
@@ -18,9 +18,9 @@ from dataclasses import replace
 from math import pi
 from typing import Literal
 
-from models import planar_allocation as allocation
+from designs.planar_6dof import allocation
+from designs.planar_6dof.allocation import ACHIEVED, AXES, BOX, DEMANDS
 from models import planar_stage
-from models.planar_allocation import ACHIEVED, AXES, BOX, DEMANDS
 from synth.block import Block, Exprs, Step, build
 from synth.blocks import lead_lag as lead_lag_block
 from synth.plant import Plant

@@ -16,10 +16,9 @@ shipped     (21), (22) with reduced gains; for (23)-(25) see `vertical`
 Compensators are sampled by Tustin's rule. Margins with the filters (6)-(16): docs/decisions/planar_leadlag.md.
 """
 
-from designs.planar_6dof import filtering, interface, motion, vertical
+from designs.planar_6dof import allocation, filtering, interface, motion, vertical
+from designs.planar_6dof.sensing import sections as sensing
 from designs.planar_6dof.vertical import Variant
-from models import hall_sections as sensing
-from models import planar_allocation as allocation
 from synth.block import Block
 from synth.plant import Plant
 from synth.synthesise.classical import lead_lag

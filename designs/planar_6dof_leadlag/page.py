@@ -9,11 +9,11 @@ from dataclasses import replace
 from functools import partial
 
 from designs.planar_6dof import loops, motion, page
+from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control
 from designs.planar_6dof_leadlag.control import TIME
-from models.planar_allocation import AXES, HORIZONTAL
 from synth.block import Block
 from synth.plant import Plant
 

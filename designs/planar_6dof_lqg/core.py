@@ -29,12 +29,12 @@ import casadi as ca
 import numpy as np
 
 from designs.planar_6dof import interface, lqg, vertical
+from designs.planar_6dof.allocation import HORIZONTAL, LIMIT
 from designs.planar_6dof.lqg import CURRENTS, MEASURED, OBSERVER_POLE, STATES, TIME, Axis, Regulate
 from designs.planar_6dof.page import REST
+from designs.planar_6dof.sensing.sections import READY
 from designs.planar_6dof.vertical import MARGIN, POSITIONS
 from models import planar_stage
-from models.hall_sections import READY
-from models.planar_allocation import HORIZONTAL, LIMIT
 from synth.analyse import discretise, interconnect
 from synth.block import Block, Constant, Exprs, State
 from synth.blocks import linear_block

@@ -5,11 +5,11 @@ from functools import cache, partial
 from typing import Any
 
 from designs.planar_6dof import artefacts, assembly, lqg, vertical
+from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof.random_steps import Columns, Subject
 from designs.planar_6dof_lqg import experiments, reference
 from models import planar_stage
-from models.planar_allocation import HORIZONTAL
 from synth.block import Block
 from synth.emit.c import digits
 from synth.statespace import Array

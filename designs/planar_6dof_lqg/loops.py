@@ -15,11 +15,11 @@ import numpy as np
 
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof import lqg
+from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import LoopParts, OpenLoop
 from designs.planar_6dof.lqg import CURRENTS, STATES, TIME, Axis
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_lqg import core
-from models.planar_allocation import AXES, HORIZONTAL
 from synth.analyse import discretise
 from synth.block import Block
 from synth.errors import ModelError

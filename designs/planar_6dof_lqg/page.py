@@ -5,11 +5,10 @@ from functools import partial
 
 import numpy as np
 
+from designs.planar_6dof import allocation, lqg, page
 from designs.planar_6dof import loops as shared
-from designs.planar_6dof import lqg, page
 from designs.planar_6dof.lqg import ERROR, TIME
 from designs.planar_6dof_lqg import core, loops
-from models import planar_allocation as allocation
 from models import planar_stage
 from synth.analyse import disk
 from synth.plant import Plant

@@ -32,13 +32,12 @@ import numpy as np
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.paper import layouts
-from designs.planar_6dof import interface, vertical
-from models import hall_sections as sensing
-from models import planar_allocation as allocation
+from designs.planar_6dof import allocation, interface, vertical
+from designs.planar_6dof.allocation import HORIZONTAL, PITCH
+from designs.planar_6dof.sensing import sections as sensing
 from models import planar_stage
 from models.hall_array import Pair
 from models.hall_two_waves import PlanarArray as Array
-from models.planar_allocation import HORIZONTAL, PITCH
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.blocks import error_map
 from synth.blocks.error_map import ErrorMap

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 
 from designs.planar_6dof import interface, lqg
 from designs.planar_6dof import loop as planar
-from models import hall_calibration, hall_chain, planar_stage
+from designs.planar_6dof.sensing import calibration as hall_calibration
+from models import hall_chain, planar_stage
 from studies.hall import built_matrix, hall_bench
 from studies.hall.hall_bench import Bench
 from studies.hall.loop import calibration, closed_loop

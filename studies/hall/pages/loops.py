@@ -16,12 +16,12 @@ import numpy as np
 
 from designs.hall_position.paper import layouts
 from designs.planar_6dof import loops, lqg
+from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import PHASES, SENSED, LoopParts, Place
 from models import hall_array, hall_chain, hall_two_waves, planar_stage
 from models.hall_chain import Chain
 from models.hall_stage import Stage
 from models.hall_two_waves import PlanarArray as Sensors
-from models.planar_allocation import AXES, HORIZONTAL
 from studies.hall.loop import closed_loop
 from studies.hall.loop.closed_loop import Source
 from synth.analyse import linearisation, loop, operating_points

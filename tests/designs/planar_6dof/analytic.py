@@ -16,9 +16,10 @@ import numpy as np
 
 from designs.planar_6dof import filtering, lqg, vertical
 from designs.planar_6dof.paper import rows
+from designs.planar_6dof.sensing import calibration
+from designs.planar_6dof.sensing import sections as sensing
 from designs.planar_6dof_leadlag import control as leadlag
-from models import halbach, hall_calibration, hall_scale
-from models import hall_sections as sensing
+from models import halbach
 from synth.blocks import repeated_codes
 from synth.plant import Plant
 from synth.timing import Discrete
@@ -57,11 +58,11 @@ def held_plant(plant: Plant, axis: str, T: float, z: Array) -> Array:
 
 def sensor_slopes(plant: Plant, axis: str) -> tuple[float, float]:
     """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle (S is 0), after two samples of the scale."""
-    cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
+    cal, p = calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
     slope, level, scale = sum(n * a for n, a in A.items()), sum(A.values()), 1.0
-    for share in (1.0, repeated_codes.WATCHED * hall_scale.SCALE_GAIN):
+    for share in (1.0, repeated_codes.WATCHED * calibration.SCALE_GAIN):
         scale -= share * ((scale * level) ** 2 / cal.power[0] - 1) / 2
     slope, level = scale * slope, scale * level
     if axis != "phi":

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
-from designs.planar_6dof import filtering, vertical
-from models import planar_allocation as allocation
+from designs.planar_6dof import allocation, filtering, vertical
 from models import planar_stage
 from synth.analyse import linearisation, loop, operating_points, stability_margins
 from synth.block import Block, Exprs, Step, build, clip

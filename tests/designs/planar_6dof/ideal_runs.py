@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from models import planar_allocation as allocation
+from designs.planar_6dof import allocation
 from models import planar_stage
 from synth.block import Block, unranged
 from synth.composition import compose

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from designs.planar_6dof import filtering, reference_sensing, reference_suspects
-from models import hall_calibration, planar_stage
-from models import hall_section_maps as sensing_maps
-from models import hall_sections as sensing
+from designs.planar_6dof.sensing import calibration
+from designs.planar_6dof.sensing import maps as sensing_maps
+from designs.planar_6dof.sensing import sections as sensing
+from models import planar_stage
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
@@ -23,7 +24,7 @@ from tests import tolerances
 PLANT = planar_stage.plant()
 TIME = Discrete(1 / 800)
 HALL = planar_stage.HALL
-CAL = hall_calibration.of(PLANT)
+CAL = calibration.of(PLANT)
 A, L = CAL.amplitude, CAL.pitch
 W = 2 * np.pi / L
 AS_MEASURED = [s.name for s in sensing.RAW.values()]

@@ -7,7 +7,7 @@ import pytest
 
 from designs.planar_6dof import drawings, experiments, page
 from designs.planar_6dof.loop import simulate
-from models import hall_section_maps as sensing_maps
+from designs.planar_6dof.sensing import maps as sensing_maps
 from synth.report.audit import Figure, Published, Row, Verdict
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig

@@ -12,11 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from designs.planar_6dof import cost_stimuli, interface
+from designs.planar_6dof import allocation, cost_stimuli, interface
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg_design
-from models import planar_allocation as allocation
 from models import planar_stage
 from synth import standard_tasks
 from synth.blocks import safety

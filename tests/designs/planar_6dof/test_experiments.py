@@ -6,16 +6,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import experiments, failures, interface, lqg
+from designs.planar_6dof import allocation, experiments, failures, interface, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.paper import rows as paper
 from designs.planar_6dof.paper.records import FIGURE_8
+from designs.planar_6dof.sensing import calibration, sections
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
-from models import halbach, hall_calibration, hall_sections, planar_stage, planar_voltages
-from models import planar_allocation as allocation
+from models import halbach, planar_stage, planar_voltages
 from synth.block import Block
 from synth.blocks import repeated_codes
 from synth.fault import BRAKING_BIT, LATCH_BIT
@@ -116,13 +116,13 @@ def test_recorded_rows(lead: Rig, optimal: Rig) -> None:
 
 def test_noise_is_that_of_a_position(lead: Rig) -> None:
     drawn = lead.sensor_noise(20000)
-    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * hall_calibration.of(lead.plant).volts_per_metre, rel=0.02)
+    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * calibration.of(lead.plant).volts_per_metre, rel=0.02)
     assert np.std(drawn["d1"]) == pytest.approx(interface.LASER_NOISE, rel=0.02)
     assert abs(np.corrcoef(drawn["V_ax"], drawn["V_cy"])[0, 1]) < 0.03
     quarter = lead.plant.parameter("l").value / 4
     at = {x: float(lead.run(0.002, {"x": x}).outputs["V_ax"][0]) for x in (-1e-5, 1e-5, quarter)}
     parts = [float(halbach.amplitude(n, ca.SX(3e-3), VALUES)) for n in halbach.HARMONICS]
-    slope = hall_calibration.of(lead.plant).volts_per_metre
+    slope = calibration.of(lead.plant).volts_per_metre
     assert at[quarter] * parts[0] / sum(parts) == pytest.approx(slope * quarter / (np.pi / 2))
     flatter = np.dot(halbach.HARMONICS, parts) / parts[0]
     assert (at[1e-5] - at[-1e-5]) / 2e-5 == pytest.approx(flatter * slope, rel=1e-4)
@@ -183,7 +183,7 @@ def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
     for channel in failures.HALL:  # at rest, where no motion shows it
         f = failures.fail(lead, channel, "stuck")
         assert f.samples_to_detection is not None and not f.others
-        assert f.samples_to_detection <= repeated_codes.longest(len(failures.HALL), hall_sections.REPEATS) + 3
+        assert f.samples_to_detection <= repeated_codes.longest(len(failures.HALL), sections.REPEATS) + 3
 
 
 def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:

@@ -5,9 +5,9 @@ import pytest
 
 from designs.planar_6dof import interface
 from designs.planar_6dof.loop import compile_block
+from designs.planar_6dof.sensing import sections as sensing
 from designs.planar_6dof_leadlag.design import subject as leadlag
 from designs.planar_6dof_lqg.design import subject as lqg
-from models import hall_sections as sensing
 from models.planar_stage import HALL
 from synth.blocks import repeated_codes
 from synth.execute import host

@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.planar_6dof import interface, loops, lqg
+from designs.planar_6dof import allocation, interface, loops, lqg
+from designs.planar_6dof.sensing import sections as sensing
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import page as own
-from models import hall_sections as sensing
-from models import planar_allocation as allocation
 from models import planar_stage
 from synth.analyse import disk, stability_margins
 from synth.analyse import loop as analyse

@@ -6,8 +6,8 @@ import pytest
 from designs.planar_6dof import failures
 from designs.planar_6dof import loop as simulated
 from designs.planar_6dof import page as planar
+from designs.planar_6dof.sensing import maps as sensing_maps
 from designs.planar_6dof_leadlag import control as leadlag
-from models import hall_section_maps as sensing_maps
 from models import planar_stage
 from synth.report import page
 from synth.simulate.experiment import Experiment

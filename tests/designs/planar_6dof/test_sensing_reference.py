@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import reference_sensing, reference_suspects
-from models import hall_section_maps as sensing_maps
-from models import hall_sections as sensing
+from designs.planar_6dof.sensing import maps as sensing_maps
+from designs.planar_6dof.sensing import sections as sensing
 from synth.statespace import Array
 from tests.designs.planar_6dof.measured import (
     EXACT,

@@ -5,9 +5,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from designs.planar_6dof import lqg, reference_control, vertical
+from designs.planar_6dof import allocation, lqg, reference_control, vertical
 from designs.planar_6dof_leadlag import control as leadlag
-from models import planar_allocation as allocation
 from models import planar_stage
 from synth.analyse import loop
 from synth.block import unranged

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from designs.planar_6dof import interface, random_steps
+from designs.planar_6dof import allocation, interface, random_steps
 from designs.planar_6dof_leadlag import control, reference
-from models import planar_allocation as allocation
 from models import planar_stage
 from synth.blocks import safety
 from synth.emit import write

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof_leadlag import page as loops
 from designs.planar_6dof_leadlag.control import TIME
 from models import planar_stage
-from models.planar_allocation import AXES, HORIZONTAL
 from tests.designs.planar_6dof import analytic
 
 PLANT = planar_stage.plant()

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.planar_6dof import lqg, random_steps
+from designs.planar_6dof import allocation, lqg, random_steps
 from designs.planar_6dof_lqg import reference
 from designs.planar_6dof_lqg.core import REGULATORS, Order
-from models import planar_allocation as allocation
 from synth.analyse import loop
 from synth.block import Block
 from synth.errors import ModelError

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import lqg
+from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof_lqg import core
 from designs.planar_6dof_lqg.core import Order
-from models.planar_allocation import HORIZONTAL
 from synth.analyse import loop
 from synth.block import unranged
 from synth.emit import write

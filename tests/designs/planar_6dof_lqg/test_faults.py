@@ -9,8 +9,9 @@ import pytest
 
 from designs.planar_6dof import failures, faults, interface, lqg, motion
 from designs.planar_6dof import loop as loops
+from designs.planar_6dof.sensing import sections
 from designs.planar_6dof_lqg.design import DESIGN, subject
-from models import hall_sections, planar_stage
+from models import planar_stage
 from synth.errors import SignalError
 from synth.progress import silent
 from synth.simulate import campaign, machines
@@ -33,7 +34,7 @@ from tests.designs.planar_6dof.faulty_runs import (
 pytestmark = pytest.mark.whole
 
 WRONG_PLANTS = (8, 1, 2, 3, 6)  # of the campaign, those with the largest torques that are not modelled
-AMPLITUDE, BRAKING, LATCH = 1 << hall_sections.AMPLITUDE_BIT, 1 << 30, 1 << 31
+AMPLITUDE, BRAKING, LATCH = 1 << sections.AMPLITUDE_BIT, 1 << 30, 1 << 31
 
 
 @cache
@@ -69,9 +70,7 @@ def test_four_bad_samples_cost_50_um_at_most_where_torques_are_not_modelled(plan
 
 def test_without_the_last_innovation_the_yaw_jumps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Planted: a bad sample takes the predicted yaw as it is."""
-    monkeypatch.setattr(
-        hall_sections, "_bridge", lambda u, *_: {a: u[s.name] for a, s in hall_sections.PREDICTED.items()}
-    )
+    monkeypatch.setattr(sections, "_bridge", lambda u, *_: {a: u[s.name] for a, s in sections.PREDICTED.items()})
     assert campaign_excursions(DESIGN, lqg.controller(planar_stage.plant()), WRONG_PLANTS[0]).max() > faults.BRIDGED
 
 
@@ -129,7 +128,7 @@ def test_another_amplitude_by_a_tenth_is_no_fault(plant: int, factor: float) -> 
 
 def test_without_the_scale_another_amplitude_latches(monkeypatch: pytest.MonkeyPatch) -> None:
     """Planted: the scale of the voltages stays near 1."""
-    monkeypatch.setattr(hall_sections, "SCALE", replace(hall_sections.SCALE, low=0.99, high=1.01))
+    monkeypatch.setattr(sections, "SCALE", replace(sections.SCALE, low=0.99, high=1.01))
     assert (turning(loops.of(lqg.controller(planar_stage.plant())), 1.1, 8).faults & LATCH).any()
 
 

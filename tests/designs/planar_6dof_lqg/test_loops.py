@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from designs.planar_6dof import lqg
+from designs.planar_6dof import allocation, lqg
+from designs.planar_6dof.allocation import AXES, HORIZONTAL, VERTICAL
 from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof.lqg import TIME
 from designs.planar_6dof_lqg import loops
-from models import planar_allocation as allocation
 from models import planar_stage
-from models.planar_allocation import AXES, HORIZONTAL, VERTICAL
 from synth.analyse import disk
 from synth.errors import ModelError
 from synth.report import multivariable

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config
-from designs.planar_6dof import lqg
-from models import hall_sections as sensing
-from models import planar_allocation as allocation
+from designs.planar_6dof import allocation, lqg
+from designs.planar_6dof.sensing import sections as sensing
 from models import planar_stage
 from studies.hall.loop import closed_loop
 from synth.block import unranged

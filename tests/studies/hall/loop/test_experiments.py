@@ -11,7 +11,8 @@ import pytest
 
 from designs.hall_position.paper import layouts
 from designs.planar_6dof import lqg
-from models import hall_sections, planar_stage
+from designs.planar_6dof.sensing import sections as sensing
+from models import planar_stage
 from models.hall_stage import Stage
 from studies.hall.loop import closed_loop, experiments, sources, stage_loop
 from studies.hall.loop.stage_loop import Loop
@@ -154,6 +155,6 @@ def test_both_controllers_have_the_same_wires() -> None:
         source.outputs
     ) == signal_names(sections.outputs)
     # This loop neither brakes nor estimates the amplitude, and no bit says that a set-point is followed late.
-    of_sections = (BRAKING_BIT, hall_sections.AMPLITUDE_BIT, *lqg.LATE.values())
+    of_sections = (BRAKING_BIT, sensing.AMPLITUDE_BIT, *lqg.LATE.values())
     assert source.faults == tuple(f for f in sections.faults if f.bit not in of_sections)
     assert planar_stage.hall_places(plant)[1][0] == plant.parameter("spacing").value

@@ -1,4 +1,4 @@
-"""Calibration of the Hall sensors: amplitude of the field, and least-squares fits of position, slope and power.
+"""Calibration of the Hall sensors: amplitude of the field, fits of position, slope and power, scale of the voltages.
 
     S(t) = sin t + b sin 5t + d sin 9t,   C(t) = cos t + b cos 5t + d cos 9t     t = 2 pi X / l; b, d = A_5/A_1, A_9/A_1
 
@@ -9,6 +9,12 @@
 Each is a least-squares fit over POINTS points of one or two sections, in ball arithmetic with each coefficient rounded
 once, which gives the same bits on every machine. The angle of C + i S is t + arg(1 + b e^4it + d e^8it), and t is an
 odd function of r alone: the first fit combines arctangent and calibration.
+
+The scale of the voltages is the nominal amplitude over the estimated one:
+
+    scale <- scale - gain (m_x + m_y)    m_x, m_y: squared amplitudes of two pairs less those of the field
+
+1 / (4 power_0) corrects the whole error of the scale. Good samples do so until the guard is ready, later ones a part.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,14 +22,21 @@ from dataclasses import dataclass
 from functools import cache
 from math import pi
 
+import casadi as ca
 import flint
 
 from models import halbach
 from synth.analyse import precise
+from synth.block import Constant, clip
 from synth.plant import Plant
+from synth.signals import Signal
 
 POINTS = 64
 TERMS = 4  # of the position: errors of 55 um at most with 3, 9.5 um with 4, 6.4 um with 5, 3.3 um with 7
+SCALE_RANGE = 0.84, 1.2  # of voltages
+SCALE_MIDDLE, SCALE_HALF_RANGE = sum(SCALE_RANGE) / 2, (SCALE_RANGE[1] - SCALE_RANGE[0]) / 2
+SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
+SCALE = Signal("scale", "1", *SCALE_RANGE, "nominal amplitude of the voltages over the estimated one")
 
 
 @dataclass(frozen=True)
@@ -111,3 +124,28 @@ def _least_squares(rows: Sequence[Sequence[flint.arb]], targets: Sequence[flint.
     """Return the coefficients that minimise the sum of the squares of rows x coefficients - targets."""
     M, y = flint.arb_mat([list(row) for row in rows]), flint.arb_mat([[v] for v in targets])
     return list((M.transpose() * M).solve(M.transpose() * y).entries())
+
+
+def scale_gains(cal: Calibration, samples: int) -> list[Constant]:
+    """Return the gains of first good samples and of later ones, 1/V^2, for one correction in so many `samples`."""
+    per_scale, gain = 1 / (4 * cal.power[0]), samples * SCALE_GAIN
+    return [
+        Constant("first_scale_gain", per_scale, "1/V^2", "1 / (4 sensing_power_0): the whole error of the scale"),
+        Constant("scale_gain", gain * per_scale, "1/V^2", f"{gain:g} / (4 sensing_power_0)"),
+    ]
+
+
+def scale_numbers() -> list[Constant]:
+    """Return the numbers of the scale that the C names."""
+    values = {"middle": SCALE_MIDDLE, "half_range": SCALE_HALF_RANGE}
+    texts = {"middle": "middle of", "half_range": "half of"}
+    ends = f"{SCALE_RANGE[0]:g} .. {SCALE_RANGE[1]:g}"
+    return [
+        Constant(f"scale_{name}", value, "1", f"{texts[name]} the range of the scale, {ends}")
+        for name, value in values.items()
+    ]
+
+
+def limit_scale(scale: ca.SX) -> ca.SX:
+    """Return a scale within its range, by its distance to the middle: one comparison where it is inside."""
+    return SCALE_MIDDLE + clip(scale - SCALE_MIDDLE, Signal("distance", "1", -SCALE_HALF_RANGE, SCALE_HALF_RANGE))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import filtering, reference_sensing
-from models import hall_section_maps as sensing_maps
-from models import hall_sections as sensing
+from designs.planar_6dof.sensing import maps as sensing_maps
+from designs.planar_6dof.sensing import sections as sensing
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import compile as compiler

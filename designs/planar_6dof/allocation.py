@@ -40,7 +40,8 @@ from math import hypot, pi, sqrt
 import casadi as ca
 import numpy as np
 
-from models import hall_sections, lorentz_motor, planar_stage
+from designs.planar_6dof.sensing import sections
+from models import lorentz_motor, planar_stage
 from models.planar_stage import force_constant, wrench
 from synth.block import Block, Constant, Exprs, Step, build, clip
 from synth.plant import Plant
@@ -69,7 +70,7 @@ CURRENTS = tuple(
 PHASES = planar_stage.INPUTS
 COMPUTED = tuple(replace(s, name=f"{s.name}_computed") for s in PHASES)
 PITCH = planar_stage.plant().parameter("l").value
-WITHIN = hall_sections.WITHIN
+WITHIN = sections.WITHIN
 
 
 def scales(plant: Plant) -> dict[str, float]:

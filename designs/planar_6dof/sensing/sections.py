@@ -17,8 +17,7 @@ Position, (1)-(5). With r = s c / max(s^2, c^2), which is s/c or c/s, the voltag
     x = f(r), half a pitch on where c < 0,     if |s| <= |c|, (alpha, beta) = (1, 0)
     x = +- l/4 - f(r) with the sign of s,      if |s| > |c|,  (alpha, beta) = (0, -1)
 
-f combines arctangent and calibration (`models.hall_calibration`). The count of pitches is the one nearest to the
-predicted position.
+f combines arctangent and `calibration`. The count of pitches is the one nearest to the predicted position.
 
 Yaw. e_1 = V_by - V_ay and e_2 = V_cx - V_ax are linear in it, but h_1 and h_2 vanish together at isolated places. With
 m = s^2 + c^2 of each pair, less its nominal value, m_x - m_y is a third: h_3 = 2 (2 s_x s_y - s_y c_x - s_x c_y). From
@@ -29,7 +28,7 @@ r_1 = e_1 - h_1 phi_predicted, r_2 = e_2 + h_2 phi_predicted and r_3 = m_x - m_y
 where W is EXCESS_WEIGHT and R is REGULARISATION.
 
 Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample changes neither position nor yaw if the
-guard refuses one of its voltages, or if its residual rho of `models.hall_contradictions` exceeds 1. The residuals of
+guard refuses one of its voltages, or if its residual rho of `contradictions` exceeds 1. The residuals of
 the first such sample determine the suspects, because no state has followed a wrong value yet. A second one, above
 CONFIRMATION and within MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is
 complete, and the guard latches in the fifth.
@@ -38,7 +37,7 @@ Frozen channel. Where predictions come `from_forces`, `synth.blocks.repeated_cod
 that is frozen is the only suspect, whatever an earlier contradiction has left. The last innovation is added as for a
 refused voltage: what a torque has in it is more than what a frozen channel has added.
 
-Amplitude. The voltages are multiplied by the scale of `models.hall_scale`; with a watch it changes between two:
+Amplitude. The voltages are multiplied by the scale of `calibration`; with a watch it changes between two:
 temperature, height and amplifiers change it slowly; a failed sensor changes m_x or m_y at once. A contradiction that
 another amplitude of all voltages explains has its own bit and suspects all six.
 
@@ -59,10 +58,9 @@ from dataclasses import replace
 
 import casadi as ca
 
-from models import hall_calibration, hall_scale, planar_stage
-from models import hall_contradictions as contradictions
-from models import hall_pairs as pairs
-from models.hall_scale import SCALE
+from designs.planar_6dof.sensing import calibration, contradictions, pairs
+from designs.planar_6dof.sensing.calibration import SCALE
+from models import planar_stage
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import dead_reckoning, repeated_codes, safety
 from synth.fault import Fault
@@ -135,7 +133,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
     Predictions are inputs, or else the raw position of the previous sample. Where they come `from_forces`, the raw
     position less the prediction counts as a residual, too.
     """
-    cal = hall_calibration.of(plant)
+    cal = calibration.of(plant)
     A, l = cal.amplitude, cal.pitch
     yaw, regularisation = RAW["phi"].name, REGULARISATION_FROM_FORCES if from_forces else REGULARISATION
 
@@ -202,7 +200,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
             output[dead_reckoning.MEASURED.name] = accepted
         next |= {} if predicted and not from_forces else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"], k["scale_gain"], k["first_scale_gain"])
-        corrected = hall_scale.limit_scale(scale - gain * (X.m + Y.m))
+        corrected = calibration.limit_scale(scale - gain * (X.m + Y.m))
         if from_forces:
             corrected = ca.if_else(repeated_codes.is_between(x, REPEATS), corrected, scale)
         next["scale"] = by_case(corrected, scale, scale)
@@ -231,7 +229,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
     outputs += [dead_reckoning.MEASURED] if from_forces else []
     states = [*_states(predicted, from_forces), State(SCALE, 1.0)]
-    scale_gains = hall_scale.gains(cal, repeated_codes.WATCHED if from_forces else 1)
+    scale_gains = calibration.scale_gains(cal, repeated_codes.WATCHED if from_forces else 1)
     constants = [*pairs.constants(cal, EXCESS_WEIGHT), *scale_gains]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
@@ -277,7 +275,7 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
         ),
         Constant("max_yaw", MAX_RAW_YAW, "rad", "limit of the raw yaw"),
         Constant("max_within", WITHIN[0].high, "m", f"half of the pitch, and {BRIDGED:g} m for bad samples in a row"),
-        *hall_scale.numbers(),
+        *calibration.scale_numbers(),
     ]
 
 

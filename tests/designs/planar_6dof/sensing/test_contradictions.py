@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import filtering, reference_sensing
-from models import hall_contradictions
-from models import hall_section_maps as sensing_maps
-from models import hall_sections as sensing
+from designs.planar_6dof.sensing import contradictions
+from designs.planar_6dof.sensing import maps as sensing_maps
+from designs.planar_6dof.sensing import sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.composition import compose
@@ -40,7 +40,7 @@ from tests.designs.planar_6dof.measured import (
 pytestmark = pytest.mark.whole
 
 BOUNDS = {
-    name: (hall_contradictions.EXCESS_BOUND * A if name.startswith("m_") else hall_contradictions.RESIDUAL_BOUND) * A
+    name: (contradictions.EXCESS_BOUND * A if name.startswith("m_") else contradictions.RESIDUAL_BOUND) * A
     for name in RESIDUALS
 }
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models import hall_calibration, planar_stage
-from models import hall_sections as sensing
+from designs.planar_6dof.sensing import calibration
+from designs.planar_6dof.sensing import sections as sensing
+from models import planar_stage
 from synth.block import Block
 from synth.composition import compose
 from synth.plant import Plant
@@ -86,7 +87,7 @@ def errors(plant: Plant, pose: Columns, doubt: float = 0.0) -> tuple[Columns, Co
 
 def deviation(plant: Plant) -> float:
     """Return the noise rms of a voltage in V that causes NOISE in a position."""
-    return hall_calibration.of(plant).volts_per_metre * NOISE
+    return calibration.of(plant).volts_per_metre * NOISE
 
 
 def zero_voltages(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
@@ -101,7 +102,7 @@ def stuck_voltages(plant: Plant, time: Discrete, points: int = 12, filters: Sequ
     It moves from each place in both directions along the voltage's axis, over a pitch at most.
     """
     block, start = estimation(plant, time, filters), _places(plant, points)
-    samples, watches = round(hall_calibration.of(plant).pitch / SPEED / time.period_s), {}
+    samples, watches = round(calibration.of(plant).pitch / SPEED / time.period_s), {}
     for name in planar_stage.HALL:
         along = np.array([[name[-1] == axis] for axis in "xy"])
         velocity = SPEED * along * np.repeat([1.0, -1.0], start.shape[1])
@@ -111,7 +112,7 @@ def stuck_voltages(plant: Plant, time: Discrete, points: int = 12, filters: Sequ
 
 def _places(plant: Plant, points: int) -> Array:
     """Return x and y (2, points^2) in m over a pitch."""
-    place = hall_calibration.of(plant).pitch * ((np.arange(points) + 0.5) / points - 0.5)
+    place = calibration.of(plant).pitch * ((np.arange(points) + 0.5) / points - 0.5)
     return np.array([v.ravel() for v in np.meshgrid(place, place, indexing="ij")])
 
 

@@ -3,7 +3,7 @@
     s = A S(t),  c = A C(t),  t = 2 pi x / l        rotated back by the predicted yaw
     m = s^2 + c^2 less its nominal value, a polynomial in (s c)^2
 
-The problem, with the letters used here, is stated in `models.hall_sections`.
+The problem, with the letters used here, is stated in `sections`.
 
 Source: Yu, Kim, section 3.1, (1)-(5).
 """
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from models import hall_calibration
+from designs.planar_6dof.sensing import calibration
 from synth.block import Constant, Exprs
 
 
@@ -46,7 +46,7 @@ def yaw_equation(
     return h1 * r1 - h2 * r2 + k["amplitude_weight"] * (h3 * (X.m - Y.m)), information
 
 
-def place(p: Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> ca.SX:
+def place(p: Pair, r: ca.SX, k: Exprs, cal: calibration.Calibration) -> ca.SX:
     """Return the position within the pitch, m, from the ratio r of the pair."""
     l, f = cal.pitch, ca.SX(0)
     for n in reversed(range(len(cal.position))):
@@ -56,7 +56,7 @@ def place(p: Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> ca.
     return ca.if_else(p.s**2 <= p.c**2, near, ca.if_else(p.s < 0, -l / 4, l / 4) - f)
 
 
-def constants(cal: hall_calibration.Calibration, weight: float) -> list[Constant]:
+def constants(cal: calibration.Calibration, weight: float) -> list[Constant]:
     """Return the fits, and the weight of m_x - m_y in the yaw, as constants of a law."""
     position = [(f"position_{2 * n + 1}", v, "m") for n, v in enumerate(cal.position)]
     slope = [(f"slope_{n}", v, f"1/V^{2 * n + 2}") for n, v in enumerate(cal.slope)]

@@ -7,9 +7,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import interface, reference_control
+from designs.planar_6dof import allocation, interface, reference_control
 from models import lorentz_motor, planar_stage
-from models import planar_allocation as allocation
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.errors import EmitError

@@ -1,4 +1,4 @@
-"""Which Hall voltages are suspected once the residuals of `models.hall_sections` contradict each other.
+"""Which Hall voltages are suspected once the residuals of `sections` contradict each other.
 
     rho = ((m_x^2 + m_y^2) / (EXCESS_BOUND A^2)^2 + (r_1^2 + r_2^2) / (RESIDUAL_BOUND A)^2)^(1/2)
 
