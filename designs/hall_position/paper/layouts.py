@@ -18,8 +18,6 @@ LAYOUTS: dict[int, Places] = {  # by the yaws in degrees to either side; proved 
     5: ((-0.132, 0.173), (0.106, -0.066), (0.385, -0.344)),  # 4.87, 5.14, 217, where PUBLISHED has 7.7, 7.0, 238
     15: ((0.269, -0.214), (-0.230, 0.285), (0.019, 0.035)),  # 4.83, 4.68, 258, where PUBLISHED has 199, 29, 4379
 }
-# Proved worst deviations within 5 degrees: 3.89, 4.21 um and 178 urad; 10.83, 10.05, 366 after the loss of any one.
-REDUNDANT: Places = ((0.281, -0.091), (-0.012, -0.404), (0.440, 0.215), (-0.244, 0.292))
 # In six degrees of freedom, by the number of sensors. Their cost for yaws within 5 degrees, on grids of 90 by 90 by 11:
 # 4.9, 6.0 and 4.7 um. After the loss of any sensor: 224 um of five, but more than 20 um in a hundredth of the pitch
 # only, and 12.7 um of six.
