@@ -215,20 +215,30 @@ def direct_currents(
     """
     half = [m.half_a + m.half_c * square for m, square in zip(motors, squares, strict=True)]  # of the loads
     s1, s2, s3, s4 = (1 / m.b for m in motors)
+    forces = half_forces(w, x, half, (s1, s2, s3, s4), p)
+    _, d, e, odd, even = forces.values()
+    currents = {"i_d1": s1 * (odd - d), "i_d2": s2 * (even + e), "i_d3": s3 * (odd + d), "i_d4": s4 * (even - e)}
+    return DirectCurrents(currents, forces)
+
+
+def half_forces(w: Exprs, x: Exprs, half: Sequence[ca.SX], shares: Sequence[ca.SX], p: Exprs) -> dict[str, ca.SX]:
+    """Return the halves of n, d, e, f_1 + f_3 and f_2 + f_4 in N of `direct_currents`, from the halves of the loads.
+
+    `shares` are the s_j by motor under which s_1 f_1 + s_3 f_3 = s_2 f_2 + s_4 f_4.
+    """
+    s1, s2, s3, s4 = shares
     n = p["M_y"] / 2 * (w["y"] - p["G"]) + (half[0] + half[1] + half[2] + half[3])
     d = p["I_x"] / (2 * p["r"]) * (w["phi"] + p["k_s_phi"] * x["phi"]) + (half[2] - half[0])
     e = p["I_z"] / (2 * p["r"]) * (w["theta"] + p["k_s_theta"] * x["theta"]) + (half[1] - half[3])
     odd = ((s2 + s4) * n + (s2 - s4) * e - (s3 - s1) * d) / (s1 + s3 + (s2 + s4))
     even = n - odd
-    currents = {"i_d1": s1 * (odd - d), "i_d2": s2 * (even + e), "i_d3": s3 * (odd + d), "i_d4": s4 * (even - e)}
-    forces = {
+    return {
         "half_force": n,
         "half_force_phi": d,
         "half_force_theta": e,
         "half_force_1_3": odd,
         "half_force_2_4": even,
     }
-    return DirectCurrents(currents, forces)
 
 
 def thrust_currents(w: Exprs, motors: Sequence[pmlsm.ForceLaw], p: Exprs) -> dict[str, ca.SX]:

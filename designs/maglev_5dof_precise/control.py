@@ -164,7 +164,7 @@ def inversion(plant: Plant) -> Block:
         demand = maglev_stage.thrust_currents(w, motors, values)
         i_q = [clip(demand[name], thrusting) for name in maglev_stage.QUADRATURE]
         direct = inverse.direct_currents(w, {"phi": phi, "theta": theta}, i_q, motors, values)
-        i_d = [clip(i, lifting) for i in direct.currents]
+        i_d = [clip(i, lifting) for i in direct.currents.values()]
         limited = {"u_x": platen.limit_thrust(demand["u_x"], i_d[1], i_d[3])}
         limited["u_z"] = platen.limit_thrust(demand["u_z"], i_d[0], i_d[2])
         output = dict(zip((f"{s.name}_computed" for s in CURRENTS), [*i_d, *limited.values()], strict=True))

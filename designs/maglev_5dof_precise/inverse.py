@@ -14,20 +14,11 @@ Beyond its largest force b^2 / (4 c), the current is that of the square root 0. 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 
-from models import pmlsm
-from models.maglev_stage import Exprs
-
-
-@dataclass(frozen=True, eq=False)
-class DirectCurrents:
-    """The direct currents in A of motors 1 to 4, and halves of the forces in N: n, d, e, f_1 + f_3, f_2 + f_4."""
-
-    currents: tuple[ca.SX, ...]
-    half_forces: dict[str, ca.SX]
+from models import maglev_stage, pmlsm
+from models.maglev_stage import DirectCurrents, Exprs
 
 
 def direct_currents(
@@ -39,20 +30,11 @@ def direct_currents(
     """
     half = [m.half_a + m.half_c * i**2 for m, i in zip(motors, i_q, strict=True)]  # of the loads
     squares = [m.b**2 for m in motors]
-    s1, s2, s3, s4 = (1 / b for b in squares)
-    n = p["M_y"] / 2 * (w["y"] - p["G"]) + (half[0] + half[1] + half[2] + half[3])
-    d = p["I_x"] / (2 * p["r"]) * (w["phi"] + p["k_s_phi"] * x["phi"]) + (half[2] - half[0])
-    e = p["I_z"] / (2 * p["r"]) * (w["theta"] + p["k_s_theta"] * x["theta"]) + (half[1] - half[3])
-    odd = ((s2 + s4) * n + (s2 - s4) * e - (s3 - s1) * d) / (s1 + s3 + (s2 + s4))
-    even = n - odd
+    forces = maglev_stage.half_forces(w, x, half, [1 / b for b in squares], p)
+    _, d, e, odd, even = forces.values()
     doubled = (odd - d, even + e, odd + d, even - e)  # the forces f_j themselves
-    currents = tuple(_current(f, m, b) for f, m, b in zip(doubled, motors, squares, strict=True))
-    forces = {
-        "half_force": n,
-        "half_force_phi": d,
-        "half_force_theta": e,
-        "half_force_1_3": odd,
-        "half_force_2_4": even,
+    currents = {
+        f"i_d{j}": _current(f, m, b) for j, (f, m, b) in enumerate(zip(doubled, motors, squares, strict=True), 1)
     }
     return DirectCurrents(currents, forces)
 

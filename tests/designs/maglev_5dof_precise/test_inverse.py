@@ -20,7 +20,7 @@ def currents(pose: dict[str, float], w: dict[str, float]) -> dict[str, float]:
     thrust = maglev_stage.thrust_currents(demands, motors, P)
     i_q = [thrust[n] for n in maglev_stage.QUADRATURE]
     i_d = inverse.direct_currents(demands, x, i_q, motors, P).currents
-    return {f"i_d{j}": float(i) for j, i in enumerate(i_d, 1)} | {n: float(i) for n, i in thrust.items()}
+    return {n: float(i) for n, i in (i_d | thrust).items()}
 
 
 def accelerations(pose: dict[str, float], i: dict[str, float]) -> dict[str, float]:
