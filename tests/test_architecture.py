@@ -1,5 +1,7 @@
 """Imports follow the flow of data: synth <- models <- designs <- studies; a layer of synth sees only those before it.
 
+Models see the layers of synth up to its Blocks: they are expressions, and neither emitted nor run.
+
 An import from layer a to layer b is allowed when rank(b) <= rank(a). Among the folders of designs/, those with a
 design.py are designs, the others are shared packages: no folder imports a design that it does not belong to, and no
 imports lead around a cycle of folders.
@@ -78,6 +80,7 @@ LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {(name,): len(LAYERS) + rank for rank, name in enumerate(("models", "designs", "studies"), 1)}
+PHYSICS = RANK["synth", "blocks"]  # of synth, models see only what makes expressions and Blocks, no emission or runs
 ASSEMBLED = ("design.py", "__main__.py")
 LONGEST = 300  # lines of a module
 NOT_IN_A_REFERENCE = {"casadi", "synth", "models", "designs", "studies", "importlib"}
@@ -116,6 +119,8 @@ def violations(path: Path, text: str) -> list[str]:
         other = rank(module)
         independent = module[:1] == ("designs",) and any(part.startswith("reference") for part in module[2:])
         independent = independent or module[:2] == REFERENCES
+        if name[0] == "models" and module[0] == "synth" and (other or 0) > PHYSICS:
+            messages.append(f"{path} imports {'.'.join(module)}, which is no physics")
         if not reference and module[:2] == REFERENCES:
             messages.append(f"{path} imports {'.'.join(module)}, which judges it")
         if (reference and module[0] in NOT_IN_A_REFERENCE and not independent) or (
@@ -197,6 +202,7 @@ def test_imports_follow_the_flow_of_data() -> None:
         ("models/pmlsm.py", "from designs.maglev_5dof import design"),
         ("synth/report/page.py", "import studies.hall"),
         ("models/hall_stage.py", "from studies.hall import hall_bench"),
+        ("models/planar_stage.py", "from synth.simulate.scenario import Trajectory"),
         ("designs/hall_position/page.py", "def f():\n    from studies.hall.pages import six"),
         ("designs/maglev_5dof/reference.py", "import casadi as ca"),
         ("designs/maglev_5dof/reference.py", "from synth.riccati import solve"),

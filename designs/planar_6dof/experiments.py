@@ -13,9 +13,10 @@ from functools import partial
 
 import numpy as np
 
+from designs.planar_6dof import voltages
 from designs.planar_6dof.interface import NOISE_PRINTED
 from designs.planar_6dof.loop import Array, measured_positions, position_noise, simulate, with_noise
-from models import planar_stage, planar_voltages
+from models import planar_stage
 from synth.check import Check
 from synth.simulate import metrics
 from synth.simulate.experiment import Experiment
@@ -25,7 +26,7 @@ from synth.simulate.scenario import Trajectory, sample_times
 
 SETTLE, AFTER = 0.5, 2.0  # s before a step, and after it
 REST, SHORT = 10.0, 5.0  # s of standstill, whose first second is left out; s of standstill behind amplifiers
-SUPPLIES, FINE = (planar_voltages.RATED_VOLTAGE, 24.0), 8  # V; substeps of a sample, for an amplifier's lag of 0.25 ms
+SUPPLIES, FINE = (voltages.RATED_VOLTAGE, 24.0), 8  # V; substeps of a sample, for an amplifier's lag of 0.25 ms
 MICRO_UNITS = {"x": "um", "y": "um", "phi": "urad", "z": "um", "theta": "urad", "psi": "urad"}  # 1e-6 m, 1e-6 rad
 HORIZONTAL = planar_stage.AXES[:3]
 
@@ -106,7 +107,7 @@ def step_experiment(loop: Rig, run: StepRun, name: str, title: str, limits: Limi
     }
     for other in (a for a in HORIZONTAL if a != run.axis):
         figures[f"{other} moves without noise by, {MICRO_UNITS[other]}"] = np.abs(run.ideal[other]).max() / 1e-6
-    figures |= planar_voltages.voltage_figures(loop.plant, run.noisy, run.ideal)
+    figures |= voltages.voltage_figures(loop.plant, run.noisy, run.ideal)
     checks = [Check("error at the end as shown, without noise", abs(measured_error), 1e-3, "1", "of the step")]
     if limits:
         about, settling = "of the twin without noise, as its sensors show it", measured["settling into 5 %, s"]
@@ -144,13 +145,13 @@ def _standstill(loop: Rig, name: str, noise: float | None = None) -> Experiment:
     """Return the standstill with the noise of Fig. 5, or with another position noise in m."""
     case = loop if noise is None else with_noise(loop, noise)
     run = simulate(case, REST, {}, {})
-    figures = rest_figures(case, run) | planar_voltages.voltage_figures(case.plant, run, None)
+    figures = rest_figures(case, run) | voltages.voltage_figures(case.plant, run, None)
     return _at_rest(case, name, f"At rest, noise of {1e6 * position_noise(case):g} um rms", run, figures)
 
 
 def _with_amplifiers(loop: Rig, name: str, volts: float) -> Experiment:
     """Return the standstill with amplifiers of a supply voltage in V."""
-    case = replace(loop, plant=planar_voltages.plant_with_amplifiers(volts))
+    case = replace(loop, plant=voltages.plant_with_amplifiers(volts))
     run = simulate(case, SHORT, {}, {}, substeps=FINE)
     return _at_rest(case, name, f"At rest, amplifiers of {volts:g} V", run, rest_figures(case, run))
 
@@ -183,7 +184,7 @@ def common_checks(run: Trajectory) -> tuple[Check, ...]:
     """Return the checks of every run without a failure: no fault, and no current above the limit of Table 1."""
     return (
         Check("samples with a fault", float(np.count_nonzero(run.faults)), 0.0, "1"),
-        Check("largest phase current", planar_voltages.largest_current(run), planar_stage.LIMIT, "A", "Table 1"),
+        Check("largest phase current", voltages.largest_current(run), planar_stage.LIMIT, "A", "Table 1"),
     )
 
 

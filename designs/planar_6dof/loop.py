@@ -5,7 +5,7 @@
           +-> distances + noise -------> 16 bits over +-10 V --+
 
 The motors of the plant see the harmonics of the field, which the allocation neglects. Phase currents are held over a
-sample, as by ideal amplifiers. `models.planar_voltages` computes the voltages that they need.
+sample, as by ideal amplifiers. `voltages` computes the voltages that they need.
 """
 
 from collections.abc import Mapping

@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
-from designs.planar_6dof import failures, finite
+from designs.planar_6dof import failures, finite, voltages
 from designs.planar_6dof.finite import Motion
 from designs.planar_6dof.loop import Array, growing_circle, measured_positions, simulate
 from designs.planar_6dof.paper.records import FIGURE_8
-from models import planar_voltages
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run
@@ -26,7 +25,7 @@ from synth.simulate.scenario import Trajectory, sample_times
 TITLES = {"x": "x by 20 um", "y": "y by 100 um", "phi": "phi by 0.01 degrees"}
 # Y-9 does not print its settling band; into 2 % the step needs 0.33 s. The overshoot "around 20 %" of Y-9b has a
 # tolerance of a quarter.
-LIMITS = shared.Limits(rise=0.025, overshoot=0.25, settling=0.220, voltage=planar_voltages.RATED_VOLTAGE)
+LIMITS = shared.Limits(rise=0.025, overshoot=0.25, settling=0.220, voltage=voltages.RATED_VOLTAGE)
 RADIUS, RATE, GROWTH = 0.1, 0.2094, 5.0  # m, rad/s, s
 REVOLUTION = 2 * pi / RATE
 PAIRS = {"x": ("V_ax", "V_bx"), "y": ("V_ay", "V_cy")}  # s and -c of an axis
@@ -62,7 +61,7 @@ def circle_experiment(loop: Rig, name: str) -> Experiment:
 def _circle_experiment(loop: Rig, name: str, noisy: Motion, ideal: Motion) -> Experiment:
     """Return a circle with its run without noise as an experiment."""
     pitch = loop.plant.parameter("l").value
-    figures, checks = planar_voltages.voltage_figures(loop.plant, noisy.run, ideal.run), []
+    figures, checks = voltages.voltage_figures(loop.plant, noisy.run, ideal.run), []
     for axis in "xy":
         switching, elsewhere = jumps(loop, noisy.run, axis)
         rms = float(np.sqrt(np.mean(elsewhere**2)))
@@ -81,7 +80,7 @@ def _circle_experiment(loop: Rig, name: str, noisy: Motion, ideal: Motion) -> Ex
         largest = float(np.abs(noisy.error(axis)).max())
         checks.append(Check(f"greatest error of {axis}", largest, pitch / 16, "m", "half a section: no count is lost"))
     voltage = figures["largest voltage without noise, V"]
-    checks.append(Check("largest voltage without noise", voltage, planar_voltages.RATED_VOLTAGE, "V", "Table 1"))
+    checks.append(Check("largest voltage without noise", voltage, voltages.RATED_VOLTAGE, "V", "Table 1"))
     figures["greatest yaw, urad"] = 1e6 * float(np.abs(noisy.run["phi"]).max())
     title = "Circle of 200 mm diameter at 0.2094 rad/s (Fig. 9)"
     about = f"a revolution of {REVOLUTION:.4g} s after {GROWTH:g} s in which the radius grows"

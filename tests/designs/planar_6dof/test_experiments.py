@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, experiments, failures, interface, lqg
+from designs.planar_6dof import allocation, experiments, failures, interface, lqg, voltages
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.paper import rows as paper
@@ -15,7 +15,7 @@ from designs.planar_6dof.sensing import calibration, sections
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
-from models import halbach, planar_stage, planar_voltages
+from models import halbach, planar_stage
 from synth.block import Block
 from synth.blocks import repeated_codes
 from synth.fault import BRAKING_BIT, LATCH_BIT
@@ -150,12 +150,12 @@ def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Rig) -> No
     plant, v, T = planar_stage.plant(), 0.1, lead.period_s
     idle = dict.fromkeys(ACTUATORS, 0.0)
     run = replace(lead, plant=plant).ideal.run(0.6, {"vx": v}, actuators={}, forcing=idle)
-    u = planar_voltages.phase_voltages(plant, run)
+    u = voltages.phase_voltages(plant, run)
     assert np.abs(u[6:]).max() == pytest.approx(2 / 3 * allocation.force_constant(plant) * v, rel=1e-3)
     assert np.abs(u[:6]).max() < 1e-9
     R, L = (plant.parameter(n).value for n in ("resistance", "inductance"))
     still = replace(lead, plant=plant).ideal.run(0.002, {}, {}, actuators={}, forcing=idle | {"i_AA": 0.01})
-    u = planar_voltages.phase_voltages(plant, still)
+    u = voltages.phase_voltages(plant, still)
     assert u[0, 0] == pytest.approx(0.01 * (R + L / T)) and u[0, 1] == pytest.approx(0.01 * R, rel=0.03)
 
 
@@ -164,10 +164,10 @@ def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Rig
     idle = dict.fromkeys(ACTUATORS, 0.0) | {"i_CA": 0.2}
     R, L = (PLANT.parameter(n).value for n in ("resistance", "inductance"))
     for volts in (1e3, 0.5):
-        bad = replace(lead, plant=planar_voltages.plant_with_amplifiers(volts)).ideal
+        bad = replace(lead, plant=voltages.plant_with_amplifiers(volts)).ideal
         run = bad.run(0.003, {}, {}, actuators={}, forcing=idle, substeps=64)
         t = run.time
-        expected = 0.2 * (1 - np.exp(-t / planar_voltages.LAG)) if volts > 1 else 0.5 / R * (1 - np.exp(-t * R / L))
+        expected = 0.2 * (1 - np.exp(-t / voltages.LAG)) if volts > 1 else 0.5 / R * (1 - np.exp(-t * R / L))
         np.testing.assert_allclose(run["true_i_CA"], expected, rtol=0.01)  # the platen gives way
 
 

@@ -85,7 +85,7 @@ def largest_current(run: Trajectory) -> float:
 
 
 def voltage_figures(plant: Plant, noisy: Trajectory, ideal: Trajectory | None) -> dict[str, float]:
-    """Return how large the voltages of a run are and how often above STATED, and of its twin without noise."""
+    """Return how large the voltages of a run are and how often above RATED_VOLTAGE, and of its twin without noise."""
     u = np.abs(phase_voltages(plant, noisy))
     voltages = {
         "largest voltage, V": float(u.max()),
