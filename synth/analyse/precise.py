@@ -15,6 +15,7 @@ from synth.statespace import Array
 
 BITS = 256
 ZERO = flint.arb(2) ** -200  # relative to the largest entry: a smaller entry is the rounding error of a zero
+TIE = 1000  # bits that agree with a number halfway between two doubles: it is that number
 
 
 class BeyondDoubleError(ModelError):
@@ -48,8 +49,27 @@ def rounded(balls: flint.arb_mat) -> Array:
     return values
 
 
+def doubles(balls: flint.arb_mat) -> Array | None:
+    """Return the doubles (n, m) to which all numbers in the balls round; entries below ZERO of the largest are 0.
+
+    Returns None where a ball leaves its double open. One of TIE bits of accuracy halfway between two doubles counts as
+    that tie, which no precision decides, and goes to the even one.
+    """
+    least = _least(balls)
+    values = np.zeros((balls.nrows(), balls.ncols()))
+    for i, j in np.ndindex(*values.shape):
+        ball = balls[i, j]
+        if abs(ball) < least:
+            continue
+        low, high = float(ball.lower()), float(ball.upper())
+        if low != high and not ball.rel_accuracy_bits() >= TIE:
+            return None
+        values[i, j] = low if low == high else float((flint.arb(low) + flint.arb(high)) / 2)
+    return values
+
+
 def round_correctly(compute: Callable[[], flint.arb_mat], what: str) -> Array:
-    """Return `compute()` (n, m), called `what`, rounded; the precision rises until each ball is far below half an ulp.
+    """Return `compute()` (n, m), called `what`, rounded; the precision rises until each ball decides its double.
 
     Raises ModelError when 16 times the usual bits do not suffice, BeyondDoubleError for entries that a double does not
     hold; ZeroDivisionError when `compute` inverts a matrix that may be singular even then.
@@ -62,9 +82,8 @@ def round_correctly(compute: Callable[[], flint.arb_mat], what: str) -> Array:
                 if bits == 16 * BITS:
                     raise
                 continue
-            least = _least(balls)
-            if all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries()):
-                values = rounded(balls)
+            values = doubles(balls)
+            if values is not None:
                 if not np.isfinite(values).all():
                     raise BeyondDoubleError(
                         f"{what} exceeds what a double holds: take a shorter period or leave the mode that grows out "
@@ -75,11 +94,6 @@ def round_correctly(compute: Callable[[], flint.arb_mat], what: str) -> Array:
         f"{what} is not determined by {16 * BITS} bits: its fastest mode grows or decays too far in one period; "
         "take a shorter period or leave that mode out of the model"
     )
-
-
-def midpoints(balls: flint.arb_mat) -> flint.arb_mat:
-    """Return the midpoints without their radii."""
-    return flint.arb_mat([[balls[i, j].mid() for j in range(balls.ncols())] for i in range(balls.nrows())])
 
 
 def norm(balls: flint.arb_mat) -> float:

@@ -129,7 +129,7 @@ def newton(equations: Equations, start: Array) -> Place | None:
 def _isolate(equations: Equations, at: Place) -> Cube:
     """Return the largest of CUBE_HALF_SIDES about a zero that is proved to contain no other."""
     n = equations.n
-    inverse = precise.midpoints(equations.slopes(at).inv())
+    inverse = equations.slopes(at).inv().mid()
     offset = inverse * equations.values(at)
     for half in CUBE_HALF_SIDES:
         box = [v + Ball(0, half) for v in at]

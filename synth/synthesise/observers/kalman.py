@@ -213,7 +213,7 @@ def _measurement_update(P: Array, C: Array, V: Array) -> tuple[Array, Array]:
     with precise.precision():
         p, c, v = precise.matrix(P), precise.matrix(C), precise.matrix(V)
         cp = c * p
-        m = precise.midpoints((cp * c.transpose() + v).solve(cp).transpose())
+        m = (cp * c.transpose() + v).solve(cp).transpose().mid()
         joseph = precise.identity(len(P)) - m * c
         posterior = precise.rounded(joseph * p * joseph.transpose() + m * v * m.transpose())
         return precise.rounded(m), (posterior + posterior.T) / 2

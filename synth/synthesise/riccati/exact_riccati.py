@@ -3,35 +3,61 @@
 Newton's method (Kleinman 1968, Hewer 1971) starts near the stabilising solution. Without such a start it begins at the
 limit Y of doubling (module `doubling`) in high precision: X = X0 + Y, with A - B L(X0), R or S at X0 and the left side
 at X0 in place of A, R, Q. From X0 = 0 the doubling converges to the least cost, which need not stabilise; from another
-X0 it misses the stabilising solution only by coincidence. Each step solves
+X0 it misses the stabilising solution only by coincidence. The linear equations, Omega(Y) = -W with Ac = A - B L,
 
-    continuous  Ac'X + X Ac + Q - N L - L'N' + L'R L = 0,     discrete  Ac'X Ac - X + Q - N L - L'N' + L'R L = 0
+    continuous  Omega(Y) = Ac'Y + Y Ac,     discrete  Omega(Y) = Ac'Y Ac - Y
 
-with Ac = A - B L and the L of the last X. These are n^2 equations at once, which suits up to a dozen states. The number
-of bits is raised until the ball of the last step determines each entry to far below half an ulp. The poles are those
-of A - B L before it is rounded.
+are solved by squaring the bilinear image of Ac. Its powers are balls: where one is below 1, Ac is stable.
+
+The last X is enclosed by the residual F (Sun 1997, residual bounds). As Omega^-1 reverses the order of symmetric
+matrices, a W > 0, an H and numbers with
+
+    Omega(H) <= -W,     H <= mu W,     |F(X)| <= e W,     |eigenvalues of B S^-1 B'H| <= gamma     (R in place of S)
+
+bound the terms of second order in F(X + Y) by t^2 gamma mu W / (1 - t gamma) for all |Y| <= t H. Where, for t = 2 e,
+
+    2 t gamma mu + t gamma < 1,
+
+Y -> -Omega^-1(F(X) + terms of second order) maps these Y to themselves: by Brouwer's theorem X + Y solves the equation
+for one of them. Its loop is stable, as H remains its Lyapunov function; so it is the stabilising solution, which is
+unique, and |Y_ij| <= t sqrt(H_ii H_jj). The number of bits is raised until these balls, and those of L, decide to which
+double each entry rounds. The poles are those of A - B L before it is rounded.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import flint
 import numpy as np
 
 from synth.analyse import precise
 from synth.errors import ModelError
-from synth.statespace import Array, Complex
-from synth.synthesise.riccati import exact_eigenvalues
-from synth.synthesise.riccati.equation import Equation, Solution, decays
+from synth.statespace import Array
+from synth.synthesise.riccati import doubling, exact_eigenvalues
+from synth.synthesise.riccati.equation import Equation, Solution, sizes
 
 Mat = flint.arb_mat
 
 BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
 STEPS = 30
 HALVED = 8  # steps in a row that only halve the error: a pole lies on the stability boundary
-PASSES = 200  # doublings
-CONVERGENCE_TOLERANCE = 1e-20  # of H: a smaller increment ends the doubling
-CLEAR = 1e-15  # of a pole: a slower decay counts as none
+PASSES = 150  # doublings
+
+
+@dataclass(frozen=True, eq=False)
+class _StableMap:
+    """A stable matrix, as the powers A_d^1, A_d^2, A_d^4 .. of its bilinear image, with J and g (`doubling`)."""
+
+    powers: Sequence[Mat]
+    J: Mat
+    g: flint.arb
+
+    def gramian(self, W: Mat) -> Mat:
+        """Return Y with Omega(Y) = -W for a symmetric W, to the precision in force but without a bound of its error."""
+        Y = (self.J.transpose() * W * self.J * self.g).mid()
+        for A in self.powers:
+            Y = (Y + A.transpose() * Y * A).mid()
+        return _symmetric(Y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,64 +67,92 @@ class _Problem:
     Q: Mat
     R: Mat
     N: Mat
-    continuous: bool
+    bilinear: doubling.Bilinear
 
     def weight(self, X: Mat) -> Mat:
         """Return R or S."""
-        return self.R if self.continuous else self.R + self.B.transpose() * X * self.B
+        return self.R if self.bilinear.continuous else self.R + self.B.transpose() * X * self.B
 
     def feedback(self, X: Mat) -> Mat:
-        """Return L for X."""
+        """Return L for X; raise ZeroDivisionError when R or S may be singular."""
         XB = self.B.transpose() * X
-        return precise.midpoints(self.weight(X).solve((XB if self.continuous else XB * self.A) + self.N.transpose()))
+        return self.weight(X).solve((XB if self.bilinear.continuous else XB * self.A) + self.N.transpose())
 
     def residual(self, X: Mat) -> Mat:
-        """Return the equation's left side at X."""
-        if self.continuous:
-            cross = X * self.B + self.N
-            gain = self.R.solve(cross.transpose())
-            return self.A.transpose() * X + X * self.A - cross * gain + self.Q
-        cross = self.A.transpose() * X * self.B + self.N
-        gain = self.weight(X).solve(cross.transpose())
-        return self.A.transpose() * X * self.A - X - cross * gain + self.Q
+        """Return the equation's left side F at X."""
+        cross = self.B.transpose() * X * (precise.identity(X.nrows()) if self.bilinear.continuous else self.A)
+        return self.linear(self.A, X) + self.Q - (cross.transpose() + self.N) * self.feedback(X)
 
-    def newton(self, X: Mat) -> Mat:
-        """Return the next iterate as balls: the cost of the feedback L(X), from a linear (Lyapunov, Stein) equation.
+    def linear(self, A: Mat, Y: Mat) -> Mat:
+        """Return Omega(Y) with A for Ac."""
+        YA = Y * A
+        return YA + YA.transpose() if self.bilinear.continuous else A.transpose() * YA - Y
 
-        Raises ZeroDivisionError when the loop has poles s + s' = 0 (s s' = 1 in discrete time) in this precision.
+    def loop(self, X: Mat) -> Mat:
+        """Return Ac."""
+        return self.A - self.B * self.feedback(X)
+
+    def stable_map(self, A: Mat) -> _StableMap | None:
+        """Return A as a _StableMap, None where this precision does not show that it is stable."""
+        one, c, k = precise.identity(A.nrows()), flint.arb(self.bilinear.c), flint.arb(self.bilinear.k)
+        shift, g = (c, 2 * c) if self.bilinear.continuous else (k, 1 - k * k)
+        try:
+            J = (one * c - A if self.bilinear.continuous else one + A * k).inv()
+        except ZeroDivisionError:
+            return None
+        powers = [(A + one * shift) * J]
+        for _ in range(PASSES):
+            size = _size(powers[-1])
+            if size < flint.arb(2) ** (-flint.ctx.prec // 2):
+                return _StableMap(powers, J, g)
+            if not size < 1e300:
+                break
+            powers.append(powers[-1] * powers[-1])
+        return None
+
+    def enclosure(self, X: Mat) -> Mat | None:
+        """Return balls that contain the stabilising solution near X, None where this precision does not prove it.
+
+        Raises ZeroDivisionError when R or S may be singular.
         """
-        return self.cost(self.feedback(X))
-
-    def cost(self, L: Mat) -> Mat:
-        """Return the cost of the feedback u = -L x as balls, where its loop is stable. Raises as `newton`."""
-        closed = (self.A - self.B * L).transpose()
-        cost = self.Q + L.transpose() * self.R * L - self.N * L - (self.N * L).transpose()
-        n = closed.nrows()
-        one = precise.identity(n)
-        if self.continuous:
-            operator = precise.kronecker(closed, one) + precise.kronecker(one, closed)
-        else:
-            operator = precise.kronecker(closed, closed) - precise.identity(n * n)
-        right = flint.arb_mat([[-v] for v in cost.entries()])
-        Y = flint.arb_mat(n, n, operator.solve(right).entries())
-        return (Y + Y.transpose()) * flint.arb(0.5)
+        closed = self.loop(X)
+        decay = self.stable_map(closed)
+        if decay is None:
+            return None
+        size = np.exp2(np.round(np.log2(sizes(precise.rounded(X)))))
+        D, inverse = precise.matrix(np.diag(1 / size)), precise.matrix(np.diag(size))
+        W = inverse * inverse
+        H = decay.gramian(W * 2)
+        if not _size(D * (self.linear(closed, H) + W * 2) * D) < 1:  # else Omega(H) <= -W
+            return None
+        e, mu = _size(D * self.residual(X) * D), _size(D * H * D)
+        gamma = _size(inverse * self.B * self.weight(X).solve(self.B.transpose()) * H * D)
+        t = 2 * e
+        if not 2 * t * gamma * mu + t * gamma < 1:
+            return None
+        n, root = X.nrows(), [H[i, i].sqrt() for i in range(X.nrows())]
+        return Mat([[X[i, j] + flint.arb(0, (t * root[i] * root[j]).upper()) for j in range(n)] for i in range(n)])
 
 
 def solve(equation: Equation, start: Array | None = None) -> Solution:
     """Return the stabilising solution; a `start` (n, n) near it makes the doubling unnecessary.
 
-    Raises ModelError when neither converges to it.
+    Its `step` is the distance of the rounded X from the solution. Raises ModelError when neither converges to it.
     """
     for bits in BITS:
-        started = False
+        converged = False
         with precise.precision(bits):
             problem = _problem(equation)
             for begin in _starts(problem, start):
-                X, started = _newton_limit(problem, begin), True
-                solution = None if X is None else _rounded_solution(problem, X)
-                if X is not None and solution is not None and np.isfinite(solution.step).all():
-                    return _with_rounding_distance(solution, X)
-        if not started and bits > BITS[0]:  # more bits did not make the doubling converge: precision is not the cause
+                try:
+                    X = _newton_limit(problem, begin)
+                    solution = None if X is None else _rounded_solution(problem, X)
+                except ZeroDivisionError:  # R or S may be singular
+                    continue
+                if solution is not None:
+                    return solution
+                converged = converged or X is not None
+        if not converged and bits > BITS[0]:  # more bits did not make Newton's method converge: precision is no cause
             break
     raise ModelError(
         f"Newton's method on the Riccati equation does not converge within {bits} bits, or a step has no solution, "
@@ -109,57 +163,42 @@ def solve(equation: Equation, start: Array | None = None) -> Solution:
 def certify(equation: Equation, X: Array) -> Solution:
     """Return a symmetric X (n, n) of any origin with its L, residual and Newton step.
 
-    Raises ModelError when its L leaves the closed loop singular.
+    The step is infinite where the loop is not stable: X is then near another solution. Raises ModelError when R or S
+    is singular.
     """
     with precise.precision():
+        problem, balls = _problem(equation), precise.matrix(X)
         try:
-            return _rounded_solution(_problem(equation), precise.matrix(X))
+            defect, L = problem.residual(balls), problem.feedback(balls)
         except ZeroDivisionError as error:
-            raise ModelError(
-                "the Newton step from this X has no solution: its closed loop has poles s + s' = 0 (s s' = 1 in "
-                "discrete time)"
-            ) from error
+            raise ModelError("R + B'XB is singular: this X has no gain; certify one that stabilises") from error
+        closed = problem.A - problem.B * L
+        decay = problem.stable_map(closed)
+        step = np.full_like(X, np.inf) if decay is None else _bounds(decay.gramian(defect))
+        poles = exact_eigenvalues.eigenvalues(closed.mid())
+        return Solution(X, precise.rounded(L), precise.rounded(closed), _bounds(defect), step, poles)
 
 
 def _problem(e: Equation) -> _Problem:
     A, B, Q, R, N = (precise.matrix(v) for v in (e.A, e.B, e.Q, e.R, e.N))
-    return _Problem(A, B, Q, R, N, e.continuous)
+    return _Problem(A, B, Q, R, N, doubling.bilinear_map(e.scaled(*e.scales())))
 
 
 def _newton_limit(problem: _Problem, X: Mat) -> Mat | None:
-    """Return the limit of Newton's method, None when this precision does not determine it.
-
-    Each step squares the error; the last one leaves 1e-70.
-    """
-    last, slow_steps = np.inf, 0
+    """Return the limit of Newton's method, None where it does not converge or a loop is not stable."""
+    last, slow_steps, tolerance = np.inf, 0, 2.0 ** (-flint.ctx.prec // 2)  # the next step is the square of this one
     for _ in range(STEPS):
-        try:
-            balls = problem.newton(X)
-        except ZeroDivisionError:
+        decay = problem.stable_map(problem.loop(X))
+        if decay is None:
             return None
-        previous, X = X, precise.midpoints(balls)
-        change = precise.norm(X - previous)
-        if change <= 1e-40 * precise.norm(X):
-            return X if _is_resolved(balls) else None
+        step = decay.gramian(problem.residual(X))
+        X, change = (X + step).mid(), precise.norm(step)
+        if change <= tolerance * precise.norm(X):
+            return X
         slow_steps, last = (slow_steps + 1 if change > last / 4 else 0), change
         if slow_steps > HALVED:
             return None
     return None
-
-
-def _is_resolved(balls: Mat) -> bool:
-    """Tell whether each entry is accurate to far below half an ulp, or is far smaller than the largest."""
-    least = precise.ZERO * precise.norm(balls)
-    return all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries())
-
-
-def _with_rounding_distance(solution: Solution, X: Mat) -> Solution:
-    """Return the solution with its distance from X, which has far more bits, where Newton's step overestimates it.
-
-    The step overestimates it where rounding X changes the loop, e.g. for X of size 1e17 and L a small difference.
-    """
-    distance = _bounds(precise.matrix(solution.X) - X)
-    return replace(solution, step=np.where(solution.step > 2 * distance, distance, solution.step))
 
 
 def _starts(problem: _Problem, start: Array | None) -> Iterator[Mat]:
@@ -177,59 +216,57 @@ def _cost_scale(p: _Problem) -> flint.arb:
 
 
 def _doubling_limit(p: _Problem, X0: Mat) -> Mat | None:
-    """Return the limit of doubling from X0, None where it diverges or its loop is not stable."""
-    one = precise.identity(p.A.nrows())
+    """Return the limit of doubling from X0, None where it diverges or converges too slowly for this precision."""
+    one, tolerance = precise.identity(p.A.nrows()), 2.0 ** (-flint.ctx.prec // 4)
     try:
-        A, G, H = p.A - p.B * p.feedback(X0), p.B * p.weight(X0).solve(p.B.transpose()), p.residual(X0)
-        A, G, H = (precise.midpoints(Y) for Y in (A, G, H))
-        if p.continuous:
+        A, G, H = p.loop(X0).mid(), (p.B * p.weight(X0).solve(p.B.transpose())).mid(), p.residual(X0).mid()
+        if p.bilinear.continuous:
             A, G, H = _bilinear_transform(A, G, H)
         for _ in range(PASSES):
-            inverse = precise.midpoints((one + G * H).inv())
+            inverse = (one + G * H).inv().mid()
             V, A_t = inverse * A, A.transpose()
             step = A_t * H * V
-            G, H, A = (precise.midpoints(Y) for Y in (G + A * inverse * G * A_t, H + step, A * V))
-            G, H = (G + G.transpose()) * flint.arb(0.5), (H + H.transpose()) * flint.arb(0.5)
+            G, H, A = _symmetric(G + A * inverse * G * A_t), _symmetric(H + step), (A * V).mid()
             if not precise.norm(H) < 1e300:
                 return None
-            if precise.norm(step) <= CONVERGENCE_TOLERANCE * precise.norm(H):
-                X = X0 + H
-                poles = exact_eigenvalues.eigenvalues(precise.midpoints(p.A - p.B * p.feedback(X)))
-                return X if _decays_clearly(poles, p.continuous) else None
+            if precise.norm(step) <= tolerance * precise.norm(H):
+                return X0 + H
     except ZeroDivisionError:
         return None
     return None
-
-
-def _decays_clearly(poles: Complex, continuous: bool) -> bool:
-    """Tell whether a loop is stable by more than the tolerance of the doubling."""
-    if continuous:
-        return bool((poles.real < -CLEAR * np.abs(poles)).all())
-    return bool((np.abs(poles) < 1 - CLEAR).all())
 
 
 def _bilinear_transform(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:
     """Return the discrete equation with the same solution, by z = (c + s) / (c - s)."""
     c = flint.arb(max(map(precise.norm, (A, G, H))) * A.nrows() or 1.0)  # beyond the eigenvalues of A
     one = precise.identity(A.nrows())
-    J = precise.midpoints((A - one * c).inv())
-    W = precise.midpoints((A.transpose() - one * c + H * J * G).inv())
+    J = (A - one * c).inv().mid()
+    W = (A.transpose() - one * c + H * J * G).inv().mid()
     return one + W.transpose() * (2 * c), J * G * W * (2 * c), W * H * J * (2 * c)
 
 
-def _rounded_solution(problem: _Problem, X: Mat) -> Solution:
-    """Return X and its gain L, each rounded once, with residual and Newton step of the rounded X.
-
-    The step is infinite where the loop is not stable: X is then near another solution.
-    """
+def _rounded_solution(problem: _Problem, near: Mat) -> Solution | None:
+    """Return X and its gain L, rounded, with the residual and the error of X; None where the balls leave it open."""
+    X = problem.enclosure(near)
+    if X is None:
+        return None
     L = problem.feedback(X)
-    rounded = precise.rounded(X)
-    ball = precise.matrix(rounded)
-    closed = problem.A - problem.B * L
-    poles = exact_eigenvalues.eigenvalues(precise.midpoints(closed))
-    defect, step = _bounds(problem.residual(ball)), _bounds(problem.newton(ball) - ball)
-    step = step if decays(poles, problem.continuous) else np.full_like(step, np.inf)
-    return Solution(rounded, precise.rounded(L), precise.rounded(closed), defect, step, poles)
+    rounded, gain = precise.doubles(X), precise.doubles(L)
+    if rounded is None or gain is None or not (np.isfinite(rounded).all() and np.isfinite(gain).all()):
+        return None
+    balls, closed = precise.matrix(rounded), (problem.A - problem.B * L).mid()
+    poles = exact_eigenvalues.eigenvalues(closed)
+    defect, error = _bounds(problem.residual(balls)), _bounds(balls - X)
+    return Solution(rounded, gain, precise.rounded(closed), defect, error, poles)
+
+
+def _symmetric(Y: Mat) -> Mat:
+    return ((Y + Y.transpose()) * flint.arb(0.5)).mid()
+
+
+def _size(M: Mat) -> flint.arb:
+    """Return an upper bound of the Frobenius norm, which no eigenvalue exceeds."""
+    return sum((abs(v).upper() ** 2 for v in M.entries()), flint.arb(0)).sqrt().upper()
 
 
 def _bounds(balls: Mat) -> Array:

@@ -141,7 +141,7 @@ def solve(
 
     Q weights the states, R the inputs, as matrix, diagonal or {name: weight}. Q may be indefinite and in discrete time
     R singular or indefinite; the result states in what sense X is the least cost. `exact` rounds each entry of X and L
-    correctly, with a computing time that grows with n^6.
+    correctly.
 
     Raises SignalError for weights of the wrong shape, an asymmetric Q or R, or in continuous time an R that is not
     positive definite; ModelError when (A, B) is not stabilisable or a mode on the stability boundary is not observable
