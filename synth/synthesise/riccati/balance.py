@@ -52,15 +52,6 @@ class Balance:
         step = np.full_like(X, np.inf) if decay is None else decay.gramian(defect)
         return Solution(X, L, closed, defect, step)
 
-    def cost_of_moderate_gain(self, weighted: Equation) -> Array | None:
-        """Return the cost of the feedback that is optimal for more moderate weights, None if there is none."""
-        try:
-            moderate = weighted.with_moderate_weights()
-            X = doubling.solution(moderate, doubling.bilinear_map(moderate))
-            return None if X is None else newton.feedback_cost(self.scaled, moderate.gain(X), self.bilinear)
-        except np.linalg.LinAlgError:  # R is singular
-            return None
-
     def least_eigenvalue(self, X: Array, forward_error: float) -> float:
         """Return the least eigenvalue of balanced X over its states' sizes; 0 if the error of X exceeds it."""
         X = X * self.D * self.D[:, None]

@@ -11,7 +11,7 @@ The residual of an X near the solution is a small difference of large terms. For
 is the same function. Its large terms are evaluated in twice double precision, the small ones in double precision.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -55,21 +55,6 @@ class Equation:
         M[:n, :n], M[:n, n:], M[n:, :n], M[n:, n:] = self.A, B @ B.T, self.Q, self.A.T
         size = discretise.balancing(M)
         return np.exp2(np.round(np.log2(size[:n] / size[n:]) / 2)), E
-
-    def minimum_energy(self) -> "Equation":
-        """Return the balanced equation of minimum-energy control of the same model: Q = 0, R = I."""
-        return replace(self, Q=np.zeros_like(self.Q), R=np.eye(len(self.R)), N=np.zeros_like(self.N))
-
-    def with_moderate_weights(self) -> "Equation":
-        """Return the equation with more weight on states or inputs; its loop is about as fast as A.
-
-        Raises LinAlgError when R is singular.
-        """
-        B, n = self.B, len(self.A)
-        rate = float(np.linalg.norm(self.A)) if self.continuous else 1.0
-        G = float(np.linalg.norm(B @ np.linalg.solve(self.R, B.T))) or 1.0
-        more = max(1.0, G * float(np.linalg.norm(self.Q)) / (rate * rate or 1.0))
-        return replace(self, Q=self.Q + rate * rate / G * np.eye(n), R=self.R * more)
 
     def gain(self, X: Array) -> Array:
         """Return L (m, n) in double precision."""

@@ -157,14 +157,3 @@ def _condition(T: Array, size: Array, decay: StableMap) -> float:
     """
     changed = decay.gramian(np.diag(size * (T / size).sum(axis=1)))
     return float((changed.diagonal() / (size * size)).max())
-
-
-@np.errstate(all="ignore")
-def feedback_cost(equation: Equation, L: Array, bilinear: Bilinear) -> Array | None:
-    """Return the cost X (n, n) of the feedback u = -L x; None when its loop is not stable.
-
-    From this X Newton's method decreases monotonically to the solution (Kleinman 1968, Hewer 1971).
-    """
-    decay = doubling.stable_map(equation.A - equation.B @ L, bilinear)
-    NL = equation.N @ L
-    return None if decay is None else decay.gramian(equation.Q + L.T @ equation.R @ L - NL - NL.T)

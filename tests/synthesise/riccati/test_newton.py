@@ -72,12 +72,10 @@ def test_after_a_small_step_the_residual_follows(continuous: bool, seed: int) ->
     np.testing.assert_allclose(updated_L, fresh, rtol=0, atol=4 * tolerances.of("last_bit") * np.abs(L).max())
 
 
-def test_from_a_gain_that_merely_stabilises_newton_reaches_the_solution() -> None:
+def test_from_far_newton_reaches_the_solution() -> None:
     e = random_equation(3, True)
     right = certified_solution(e).solution.X
-    far = newton.feedback_cost(e, e.gain(100 * right), doubling.bilinear_map(e))
-    assert far is not None and np.abs(far).max() > 10 * np.abs(right).max()
-    certified = newton.refine(e, far, doubling.bilinear_map(e))
+    certified = newton.refine(e, 10 * right, doubling.bilinear_map(e))
     assert certified is not None
     np.testing.assert_allclose(certified.solution.X, right, rtol=tolerances.of("folded"))
 
@@ -86,7 +84,6 @@ def test_a_start_whose_loop_does_not_decay_is_given_up() -> None:
     """x' = x + u: u = -x / 2 leaves the pole 1/2."""
     e = Equation(np.eye(1), np.eye(1), 3 * np.eye(1), np.eye(1), np.zeros((1, 1)), True)
     assert newton.refine(e, np.array([[0.5]]), doubling.bilinear_map(e)) is None
-    assert newton.feedback_cost(e, np.array([[0.5]]), doubling.bilinear_map(e)) is None
     sampled = Equation(np.eye(1), np.eye(1), np.eye(1), np.eye(1), np.zeros((1, 1)), False)
     assert newton.refine(sampled, np.array([[-2.0]]), doubling.bilinear_map(sampled)) is None  # R + B'XB < 0
 

@@ -203,18 +203,19 @@ def test_the_condition_bounds_what_changed_data_do() -> None:
         assert np.abs(change_of_X / size / size[:, None]).max() <= solution.condition * change
 
 
-def test_what_doubling_misses_scipy_or_ball_arithmetic_finds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_doubling_misses_ball_arithmetic_finds(monkeypatch: pytest.MonkeyPatch) -> None:
     c, Q, R, N = random_problem(7, CONTINUOUS)
     right = riccati.solve(c, Q, R, N)
-    monkeypatch.setattr(doubling, "solution", lambda *_: None)
-    by_scipy = riccati.solve(c, Q, R, N)
-    np.testing.assert_allclose(by_scipy.X, right.X, rtol=tolerances.of("folded"))
     monkeypatch.setattr(riccati, "MAX_FORWARD_ERROR", 0.0)  # nothing in double precision is taken
-    by_balls = riccati.solve(c, Q, R, N)
-    np.testing.assert_allclose(by_balls.X, right.X, rtol=tolerances.of("folded"))
+    without_accuracy = riccati.solve(c, Q, R, N)
     monkeypatch.setattr(riccati, "BALLS", 0)
     with pytest.raises(ModelError, match=r"error of .* of X is left, and the weight R has the condition"):
         riccati.solve(c, Q, R, N)
+    monkeypatch.undo()
+    monkeypatch.setattr(doubling, "solution", lambda *_: None)
+    for by_balls in (without_accuracy, riccati.solve(c, Q, R, N)):
+        np.testing.assert_array_equal(by_balls.X, riccati.solve(c, Q, R, N, exact=True).X)
+        np.testing.assert_allclose(by_balls.X, right.X, rtol=tolerances.of("folded"))
 
 
 def test_the_other_solution_is_not_shipped(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -222,10 +223,7 @@ def test_the_other_solution_is_not_shipped(monkeypatch: pytest.MonkeyPatch) -> N
     c = model([[1.0]], [[1.0]])
     for start in (-1.0, 1.0):
         monkeypatch.setattr(doubling, "solution", lambda *_, X=start: np.array([[X]]))
-        np.testing.assert_allclose(riccati.solve(c, [[3.0]], [[1.0]]).X, [[3.0]])
-    monkeypatch.setattr(riccati, "MAX_FORWARD_ERROR", 0.0)
-    monkeypatch.setattr(riccati, "_starts", lambda *_: iter([np.array([[-1.0]])]))
-    np.testing.assert_array_equal(riccati.solve(c, [[3.0]], [[1.0]]).X, [[3.0]])
+        np.testing.assert_array_equal(riccati.solve(c, [[3.0]], [[1.0]]).X, [[3.0]])
     monkeypatch.setattr(exact_riccati, "solve", lambda e, *_: exact_riccati.certify(e, np.array([[-1.0]])))
     with pytest.raises(ModelError, match=r"leaves the pole 2.*, which does not decay"):
         riccati.solve(c, [[3.0]], [[1.0]])
