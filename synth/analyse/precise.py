@@ -111,13 +111,3 @@ def _least(balls: flint.arb_mat) -> flint.arb:
 def identity(n: int) -> flint.arb_mat:
     """Return the identity of order n."""
     return matrix(np.eye(n))
-
-
-def kronecker(P: flint.arb_mat, Q: flint.arb_mat) -> flint.arb_mat:
-    """Return P (x) Q: with rows stacked, (P (x) Q) vec(X) = vec(P X Q^T)."""
-    rows = [
-        [P[i, j] * Q[k, m] for j in range(P.ncols()) for m in range(Q.ncols())]
-        for i in range(P.nrows())
-        for k in range(Q.nrows())
-    ]
-    return flint.arb_mat(rows)

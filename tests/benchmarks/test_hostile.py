@@ -30,7 +30,7 @@ READ = ("ndarray", "NDArray", "arb_mat", "casadi.SX", "Jacobian", "Solution", "P
 INNER = {  # modules whose functions take what others have read
     *("box", "equilibrate", "precise", "rounding", "schur_response", "staircase", "structured_peak", "twofold"),
     *("structured_singular_value", "bordered", "cofactors", "doubling", "equation", "exact_riccati", "newton"),
-    *("reduced_partition", "solvability", "exact_eigenvalues", "trajectory"),
+    *("reduced_partition", "solvability", "exact_eigenvalues", "exact_lyapunov", "trajectory"),
     *("trajectory_fit", "identifiability", "variances", "minimal_polynomial", "weights", "conversions"),
     *("rational", "crossings", "delayed_crossings", "grid_crossings", "zpk", "perturbation", "nyquist", "assessment"),
     *("nearest_root", "resolvent", "period_cost", "balance", "copies", "modes"),

@@ -26,7 +26,7 @@ from synth.statespace import Array, Complex, StateSpace, readonly
 from synth.synthesise.feedback import weights
 from synth.synthesise.regulation import internal_model, minimal_polynomial
 from synth.synthesise.regulation.servo import Servo
-from synth.synthesise.riccati import exact_eigenvalues, kronecker
+from synth.synthesise.riccati import exact_eigenvalues, exact_lyapunov
 from synth.timing import Continuous
 
 DEADBEAT_DECAY = 40.0  # a T: exp(-40) is below the rounding error of a pole
@@ -84,14 +84,15 @@ def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
     def compute() -> flint.arb_mat:
         C, V_balls, half = precise.matrix(regulator.K_xi), precise.matrix(V), flint.arb(rate) / 2
         form = internal_model.exact(model.modes, model.time)
-        Phi = flint.arb_mat([[form[i, j] for j in range(k)] for i in range(k)])
+        Phi = _copies(flint.arb_mat([[form[i, j] for j in range(k)] for i in range(k)]), p)
         weighted = V_balls.solve(C).transpose()
         if isinstance(model.time, Continuous):
-            F = Phi + precise.identity(k) * half
-            return kronecker.lyapunov(F.transpose(), weighted * C).solve(weighted)
-        F = Phi * (half * flint.arb(model.time.period_s)).exp()
-        X = kronecker.stein(F.transpose(), weighted * C).solve(C.transpose())
-        return (V_balls + C * X).solve((kronecker.block(Phi, p) * X).transpose()).transpose()
+            F = Phi + precise.identity(p * k) * half
+            return exact_lyapunov.solution(-F, weighted * C, continuous=True).solve(weighted)
+        inverse = (Phi * (half * flint.arb(model.time.period_s)).exp()).inv()
+        Z = exact_lyapunov.solution(inverse, inverse.transpose() * weighted * C * inverse, continuous=False)
+        X = Z.solve(C.transpose())
+        return (V_balls + C * X).solve((Phi * X).transpose()).transpose()
 
     try:
         return precise.round_correctly(compute, "the anti-windup gain")
@@ -114,10 +115,16 @@ def _modal_gains(regulator: Servo, rate: float) -> Array:
     modes, p = regulator.model.modes, len(regulator.regulated)
 
     def compute() -> flint.arb_mat:
-        return precise.matrix(regulator.K_xi) * kronecker.block(minimal_polynomial.modal_matrix(modes, rate), p)
+        return precise.matrix(regulator.K_xi) * _copies(minimal_polynomial.modal_matrix(modes, rate), p)
 
     C = precise.round_correctly(compute, "the gain on the modes")
     return C / _mode_sizes(C, [mode.order for mode in modes] * p)
+
+
+def _copies(F: flint.arb_mat, p: int) -> flint.arb_mat:
+    """Return I (x) F with p copies."""
+    k = F.nrows()
+    return flint.arb_mat([[F[i % k, j % k] if i // k == j // k else 0 for j in range(p * k)] for i in range(p * k)])
 
 
 def _with_excess_inputs(model: StateSpace, gain: Array, mend: str) -> AntiWindup:

@@ -3,18 +3,15 @@
 Newton's method (Kleinman 1968, Hewer 1971) starts near the stabilising solution. Without such a start it begins at the
 limit Y of doubling (module `doubling`) in high precision: X = X0 + Y, with A - B L(X0), R or S at X0 and the left side
 at X0 in place of A, R, Q. From X0 = 0 the doubling converges to the least cost, which need not stabilise; from another
-X0 it misses the stabilising solution only by coincidence. The linear equations, Omega(Y) = -W with Ac = A - B L,
+X0 it misses the stabilising solution only by coincidence. Its linear equations Omega(Y) = -W, with Ac = A - B L for A,
+are those of `exact_lyapunov`.
 
-    continuous  Omega(Y) = Ac'Y + Y Ac,     discrete  Omega(Y) = Ac'Y Ac - Y
-
-are solved by squaring the bilinear image of Ac. Its powers are balls: where one is below 1, Ac is stable.
-
-The last X is enclosed by the residual F (Sun 1997, residual bounds). As Omega^-1 reverses the order of symmetric
-matrices, a W > 0, an H and numbers with
+The last X is enclosed by the residual F (Sun 1997, residual bounds). A diagonal W > 0, an H and numbers with
 
     Omega(H) <= -W,     H <= mu W,     |F(X)| <= e W,     |eigenvalues of B S^-1 B'H| <= gamma     (R in place of S)
 
-bound the terms of second order in F(X + Y) by t^2 gamma mu W / (1 - t gamma) for all |Y| <= t H. Where, for t = 2 e,
+where |F| <= e W stands for -e W <= F <= e W, bound the terms of second order in F(X + Y) by
+t^2 gamma mu W / (1 - t gamma) for all |Y| <= t H. Where, for t = 2 e,
 
     2 t gamma mu + t gamma < 1,
 
@@ -24,7 +21,7 @@ unique, and |Y_ij| <= t sqrt(H_ii H_jj). The number of bits is raised until thes
 double each entry rounds. The poles are those of A - B L before it is rounded.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import flint
@@ -33,31 +30,15 @@ import numpy as np
 from synth.analyse import precise
 from synth.errors import ModelError
 from synth.statespace import Array
-from synth.synthesise.riccati import doubling, exact_eigenvalues
-from synth.synthesise.riccati.equation import Equation, Solution, sizes
+from synth.synthesise.riccati import doubling, exact_eigenvalues, exact_lyapunov
+from synth.synthesise.riccati.equation import Equation, Solution
+from synth.synthesise.riccati.exact_lyapunov import frobenius, symmetric
 
 Mat = flint.arb_mat
 
 BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
 STEPS = 30
 HALVED = 8  # steps in a row that only halve the error: a pole lies on the stability boundary
-PASSES = 150  # doublings
-
-
-@dataclass(frozen=True, eq=False)
-class _StableMap:
-    """A stable matrix, as the powers A_d^1, A_d^2, A_d^4 .. of its bilinear image, with J and g (`doubling`)."""
-
-    powers: Sequence[Mat]
-    J: Mat
-    g: flint.arb
-
-    def gramian(self, W: Mat) -> Mat:
-        """Return Y with Omega(Y) = -W for a symmetric W, to the precision in force but without a bound of its error."""
-        Y = (self.J.transpose() * W * self.J * self.g).mid()
-        for A in self.powers:
-            Y = (Y + A.transpose() * Y * A).mid()
-        return _symmetric(Y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,57 +62,30 @@ class _Problem:
     def residual(self, X: Mat) -> Mat:
         """Return the equation's left side F at X."""
         cross = self.B.transpose() * X * (precise.identity(X.nrows()) if self.bilinear.continuous else self.A)
-        return self.linear(self.A, X) + self.Q - (cross.transpose() + self.N) * self.feedback(X)
-
-    def linear(self, A: Mat, Y: Mat) -> Mat:
-        """Return Omega(Y) with A for Ac."""
-        YA = Y * A
-        return YA + YA.transpose() if self.bilinear.continuous else A.transpose() * YA - Y
+        return (
+            exact_lyapunov.operator(self.A, X, self.bilinear.continuous)
+            + self.Q
+            - (cross.transpose() + self.N) * self.feedback(X)
+        )
 
     def loop(self, X: Mat) -> Mat:
         """Return Ac."""
         return self.A - self.B * self.feedback(X)
-
-    def stable_map(self, A: Mat) -> _StableMap | None:
-        """Return A as a _StableMap, None where this precision does not show that it is stable."""
-        one, c, k = precise.identity(A.nrows()), flint.arb(self.bilinear.c), flint.arb(self.bilinear.k)
-        shift, g = (c, 2 * c) if self.bilinear.continuous else (k, 1 - k * k)
-        try:
-            J = (one * c - A if self.bilinear.continuous else one + A * k).inv()
-        except ZeroDivisionError:
-            return None
-        powers = [(A + one * shift) * J]
-        for _ in range(PASSES):
-            size = _size(powers[-1])
-            if size < flint.arb(2) ** (-flint.ctx.prec // 2):
-                return _StableMap(powers, J, g)
-            if not size < 1e300:
-                break
-            powers.append(powers[-1] * powers[-1])
-        return None
 
     def enclosure(self, X: Mat) -> Mat | None:
         """Return balls that contain the stabilising solution near X, None where this precision does not prove it.
 
         Raises ZeroDivisionError when R or S may be singular.
         """
-        closed = self.loop(X)
-        decay = self.stable_map(closed)
-        if decay is None:
+        decay, size = exact_lyapunov.stable_map(self.loop(X), self.bilinear), exact_lyapunov.powers_of_two(X)
+        H = None if decay is None else decay.majorant(size)
+        if H is None:
             return None
-        size = np.exp2(np.round(np.log2(sizes(precise.rounded(X)))))
-        D, inverse = precise.matrix(np.diag(1 / size)), precise.matrix(np.diag(size))
-        W = inverse * inverse
-        H = decay.gramian(W * 2)
-        if not _size(D * (self.linear(closed, H) + W * 2) * D) < 1:  # else Omega(H) <= -W
-            return None
-        e, mu = _size(D * self.residual(X) * D), _size(D * H * D)
-        gamma = _size(inverse * self.B * self.weight(X).solve(self.B.transpose()) * H * D)
+        root, D = precise.matrix(np.diag(size)), precise.matrix(np.diag(1 / size))
+        e, mu = frobenius(D * self.residual(X) * D), frobenius(D * H * D)
+        gamma = frobenius(root * self.B * self.weight(X).solve(self.B.transpose()) * H * D)
         t = 2 * e
-        if not 2 * t * gamma * mu + t * gamma < 1:
-            return None
-        n, root = X.nrows(), [H[i, i].sqrt() for i in range(X.nrows())]
-        return Mat([[X[i, j] + flint.arb(0, (t * root[i] * root[j]).upper()) for j in range(n)] for i in range(n)])
+        return exact_lyapunov.balls(X, H, t) if 2 * t * gamma * mu + t * gamma < 1 else None
 
 
 def solve(equation: Equation, start: Array | None = None) -> Solution:
@@ -173,7 +127,7 @@ def certify(equation: Equation, X: Array) -> Solution:
         except ZeroDivisionError as error:
             raise ModelError("R + B'XB is singular: this X has no gain; certify one that stabilises") from error
         closed = problem.A - problem.B * L
-        decay = problem.stable_map(closed)
+        decay = exact_lyapunov.stable_map(closed, problem.bilinear)
         step = np.full_like(X, np.inf) if decay is None else _bounds(decay.gramian(defect))
         poles = exact_eigenvalues.eigenvalues(closed.mid())
         return Solution(X, precise.rounded(L), precise.rounded(closed), _bounds(defect), step, poles)
@@ -188,7 +142,7 @@ def _newton_limit(problem: _Problem, X: Mat) -> Mat | None:
     """Return the limit of Newton's method, None where it does not converge or a loop is not stable."""
     last, slow_steps, tolerance = np.inf, 0, 2.0 ** (-flint.ctx.prec // 2)  # the next step is the square of this one
     for _ in range(STEPS):
-        decay = problem.stable_map(problem.loop(X))
+        decay = exact_lyapunov.stable_map(problem.loop(X), problem.bilinear)
         if decay is None:
             return None
         step = decay.gramian(problem.residual(X))
@@ -222,11 +176,11 @@ def _doubling_limit(p: _Problem, X0: Mat) -> Mat | None:
         A, G, H = p.loop(X0).mid(), (p.B * p.weight(X0).solve(p.B.transpose())).mid(), p.residual(X0).mid()
         if p.bilinear.continuous:
             A, G, H = _bilinear_transform(A, G, H)
-        for _ in range(PASSES):
+        for _ in range(exact_lyapunov.PASSES):
             inverse = (one + G * H).inv().mid()
             V, A_t = inverse * A, A.transpose()
             step = A_t * H * V
-            G, H, A = _symmetric(G + A * inverse * G * A_t), _symmetric(H + step), (A * V).mid()
+            G, H, A = symmetric(G + A * inverse * G * A_t), symmetric(H + step), (A * V).mid()
             if not precise.norm(H) < 1e300:
                 return None
             if precise.norm(step) <= tolerance * precise.norm(H):
@@ -258,15 +212,6 @@ def _rounded_solution(problem: _Problem, near: Mat) -> Solution | None:
     poles = exact_eigenvalues.eigenvalues(closed)
     defect, error = _bounds(problem.residual(balls)), _bounds(balls - X)
     return Solution(rounded, gain, precise.rounded(closed), defect, error, poles)
-
-
-def _symmetric(Y: Mat) -> Mat:
-    return ((Y + Y.transpose()) * flint.arb(0.5)).mid()
-
-
-def _size(M: Mat) -> flint.arb:
-    """Return an upper bound of the Frobenius norm, which no eigenvalue exceeds."""
-    return sum((abs(v).upper() ** 2 for v in M.entries()), flint.arb(0)).sqrt().upper()
 
 
 def _bounds(balls: Mat) -> Array:
