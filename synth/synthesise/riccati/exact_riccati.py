@@ -1,12 +1,11 @@
 """Riccati equations in ball arithmetic: X and L are correct to the last bit of double, the same on every machine.
 
-Newton's method (Kleinman 1968, Hewer 1971) starts near the stabilising solution. Without such a start it begins at the
-limit Y of doubling (module `doubling`) in high precision: X = X0 + Y, with A - B L(X0), R or S at X0 and the left side
-at X0 in place of A, R, Q. From X0 = 0 the doubling converges to the least cost, which need not stabilise; from another
-X0 it misses the stabilising solution only by coincidence. Its linear equations Omega(Y) = -W, with Ac = A - B L for A,
-are those of `exact_lyapunov`.
+X is the limit of doubling (module `doubling`) in high precision: X = X0 + Y, with A - B L(X0), R or S at X0 and the
+left side at X0 in place of A, R, Q. From X0 = 0 the doubling converges to the least cost, which need not stabilise;
+from another X0 it misses the stabilising solution only by coincidence. A step of Newton's method (Kleinman 1968, Hewer
+1971) removes its rounding errors; the linear equation Omega(Y) = -F(X) is that of `exact_lyapunov`, with A - B L for A.
 
-The last X is enclosed by the residual F (Sun 1997, residual bounds). A diagonal W > 0, an H and numbers with
+The X after it is enclosed by the residual F (Sun 1997, residual bounds). A diagonal W > 0, an H and numbers with
 
     Omega(H) <= -W,     H <= mu W,     |F(X)| <= e W,     |eigenvalues of B S^-1 B'H| <= gamma     (R in place of S)
 
@@ -21,7 +20,6 @@ unique, and |Y_ij| <= t sqrt(H_ii H_jj). The number of bits is raised until thes
 double each entry rounds. The poles are those of A - B L before it is rounded.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import flint
@@ -37,8 +35,6 @@ from synth.synthesise.riccati.exact_lyapunov import frobenius, symmetric
 Mat = flint.arb_mat
 
 BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
-STEPS = 30
-HALVED = 8  # steps in a row that only halve the error: a pole lies on the stability boundary
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,29 +84,30 @@ class _Problem:
         return exact_lyapunov.balls(X, H, t) if 2 * t * gamma * mu + t * gamma < 1 else None
 
 
-def solve(equation: Equation, start: Array | None = None) -> Solution:
-    """Return the stabilising solution; a `start` (n, n) near it makes the doubling unnecessary.
+def solve(equation: Equation) -> Solution:
+    """Return the stabilising solution; its `step` is the distance of the rounded X from it.
 
-    Its `step` is the distance of the rounded X from the solution. Raises ModelError when neither converges to it.
+    Raises ModelError when the doubling does not converge to it.
     """
     for bits in BITS:
         converged = False
         with precise.precision(bits):
             problem = _problem(equation)
-            for begin in _starts(problem, start):
+            one = precise.identity(len(equation.A))
+            for X0 in (one * 0, one * _cost_scale(problem)):
                 try:
-                    X = _newton_limit(problem, begin)
+                    X = _doubling_limit(problem, X0)
                     solution = None if X is None else _rounded_solution(problem, X)
-                except ZeroDivisionError:  # R or S may be singular
+                except ZeroDivisionError:  # a matrix may be singular
                     continue
                 if solution is not None:
                     return solution
                 converged = converged or X is not None
-        if not converged and bits > BITS[0]:  # more bits did not make Newton's method converge: precision is no cause
+        if not converged and bits > BITS[0]:  # more bits did not make the doubling converge: precision is not the cause
             break
     raise ModelError(
-        f"Newton's method on the Riccati equation does not converge within {bits} bits, or a step has no solution, "
-        "or its loop is not stable: scale the weights or the states, or leave out modes that are nearly uncontrollable"
+        f"the doubling of the Riccati equation does not converge within {bits} bits, or its loop is not stable: "
+        "scale the weights or the states, or leave out modes that are nearly uncontrollable"
     )
 
 
@@ -138,55 +135,30 @@ def _problem(e: Equation) -> _Problem:
     return _Problem(A, B, Q, R, N, doubling.bilinear_map(e.scaled(*e.scales())))
 
 
-def _newton_limit(problem: _Problem, X: Mat) -> Mat | None:
-    """Return the limit of Newton's method, None where it does not converge or a loop is not stable."""
-    last, slow_steps, tolerance = np.inf, 0, 2.0 ** (-flint.ctx.prec // 2)  # the next step is the square of this one
-    for _ in range(STEPS):
-        decay = exact_lyapunov.stable_map(problem.loop(X), problem.bilinear)
-        if decay is None:
-            return None
-        step = decay.gramian(problem.residual(X))
-        X, change = (X + step).mid(), precise.norm(step)
-        if change <= tolerance * precise.norm(X):
-            return X
-        slow_steps, last = (slow_steps + 1 if change > last / 4 else 0), change
-        if slow_steps > HALVED:
-            return None
-    return None
-
-
-def _starts(problem: _Problem, start: Array | None) -> Iterator[Mat]:
-    if start is not None:
-        yield precise.matrix(start)
-    one = precise.identity(problem.A.nrows())
-    for size in (flint.arb(0), _cost_scale(problem)):
-        limit = _doubling_limit(problem, one * size)
-        if limit is not None:
-            yield limit
-
-
 def _cost_scale(p: _Problem) -> flint.arb:
     return flint.arb((precise.norm(p.Q) + precise.norm(p.R) / precise.norm(p.B) ** 2) if precise.norm(p.B) else 1.0)
 
 
 def _doubling_limit(p: _Problem, X0: Mat) -> Mat | None:
-    """Return the limit of doubling from X0, None where it diverges or converges too slowly for this precision."""
-    one, tolerance = precise.identity(p.A.nrows()), 2.0 ** (-flint.ctx.prec // 4)
-    try:
-        A, G, H = p.loop(X0).mid(), (p.B * p.weight(X0).solve(p.B.transpose())).mid(), p.residual(X0).mid()
-        if p.bilinear.continuous:
-            A, G, H = _bilinear_transform(A, G, H)
-        for _ in range(exact_lyapunov.PASSES):
-            inverse = (one + G * H).inv().mid()
-            V, A_t = inverse * A, A.transpose()
-            step = A_t * H * V
-            G, H, A = symmetric(G + A * inverse * G * A_t), symmetric(H + step), (A * V).mid()
-            if not precise.norm(H) < 1e300:
-                return None
-            if precise.norm(step) <= tolerance * precise.norm(H):
-                return X0 + H
-    except ZeroDivisionError:
-        return None
+    """Return the limit of doubling from X0, after Newton's step; None where there is none or its loop is not stable.
+
+    Raises ZeroDivisionError when a matrix may be singular.
+    """
+    one, tolerance = precise.identity(p.A.nrows()), 2.0 ** (-flint.ctx.prec // 4)  # the next increment is its square
+    A, G, H = p.loop(X0).mid(), (p.B * p.weight(X0).solve(p.B.transpose())).mid(), p.residual(X0).mid()
+    if p.bilinear.continuous:
+        A, G, H = _bilinear_transform(A, G, H)
+    for _ in range(exact_lyapunov.PASSES):
+        inverse = (one + G * H).inv().mid()
+        V, A_t = inverse * A, A.transpose()
+        step = A_t * H * V
+        G, H, A = symmetric(G + A * inverse * G * A_t), symmetric(H + step), (A * V).mid()
+        if not precise.norm(H) < 1e300:
+            return None
+        if precise.norm(step) <= tolerance * precise.norm(H):
+            X = X0 + H
+            decay = exact_lyapunov.stable_map(p.loop(X), p.bilinear)
+            return None if decay is None else (X + decay.gramian(p.residual(X))).mid()
     return None
 
 

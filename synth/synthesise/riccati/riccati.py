@@ -153,12 +153,10 @@ def solve_matrices(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool)
     certified = _certified_solution(model, equation, balance)
     solution = balance.unscale(certified.solution)
     if exact:
-        solution = exact_riccati.solve(equation, solution.X)
+        solution = exact_riccati.solve(equation)
         certified = balance.certify(solution)
-    start = solution if solution.exact_poles is not None else None
-    exact_poles = (
-        (lambda: (start or exact_riccati.solve(equation, solution.X)).poles()) if len(model.states) <= BALLS else None
-    )
+    rounded = solution if solution.exact_poles is not None else None
+    exact_poles = (lambda: (rounded or exact_riccati.solve(equation)).poles()) if len(model.states) <= BALLS else None
     marginal = solvability.marginal_poles(
         model, equation, certified.poles, certified.condition > newton.MAX_CONDITION, exact_poles
     )

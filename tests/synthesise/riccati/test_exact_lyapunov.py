@@ -1,0 +1,56 @@
+"""Lyapunov and Stein equations in balls: they hold the solution that was chosen, and a ball that is off does not."""
+
+import flint
+import numpy as np
+import pytest
+import scipy.linalg
+
+from synth.analyse import precise
+from synth.synthesise.riccati import exact_lyapunov
+from synth.synthesise.riccati.doubling import Bilinear
+from tests import tolerances
+
+
+def stable(seed: int, continuous: bool) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(int(rng.integers(1, 7)),) * 2)
+    s = np.linalg.eigvals(A)
+    return A - (s.real.max() + 1e-3) * np.eye(len(A)) if continuous else A * 0.999 / np.abs(s).max()
+
+
+@pytest.mark.parametrize("continuous", [True, False])
+@pytest.mark.parametrize("seed", range(6))
+def test_the_balls_hold_the_solution(continuous: bool, seed: int) -> None:
+    A = stable(seed, continuous)
+    C = np.random.default_rng(seed).integers(-9, 9, size=A.shape)
+    Y = precise.matrix(C @ C.T + np.eye(len(A)))
+    with precise.precision():
+        balls = precise.matrix(A)
+        W = exact_lyapunov.operator(balls, Y, continuous) * -1
+        enclosed = exact_lyapunov.solution(balls, W.mid(), continuous)
+        np.testing.assert_array_equal(precise.doubles(enclosed), precise.rounded(Y))
+        assert enclosed.contains(Y) and not enclosed.contains(Y * (1 + flint.arb(2) ** -150))
+        solver = scipy.linalg.solve_continuous_lyapunov if continuous else scipy.linalg.solve_discrete_lyapunov
+        theirs = solver(A.T, precise.rounded(W) * (-1 if continuous else 1))
+    np.testing.assert_allclose(precise.rounded(enclosed), theirs, atol=tolerances.of("lyapunov") * np.abs(theirs).max())
+
+
+@pytest.mark.parametrize("continuous", [True, False])
+@pytest.mark.parametrize("off", [1e-40, 1e-10, 1e-2])
+def test_a_centre_that_is_off_has_a_radius_that_covers_it(continuous: bool, off: float) -> None:
+    A = stable(3, continuous)
+    with precise.precision():
+        balls, Y = precise.matrix(A), precise.matrix(np.eye(len(A)))
+        W = exact_lyapunov.operator(balls, Y, continuous) * -1
+        decay = exact_lyapunov.stable_map(balls, Bilinear(1.0, continuous))
+        H = decay.majorant(np.ones(len(A)))
+        away = Y + precise.matrix(np.ones(A.shape)) * off
+        defect = exact_lyapunov.frobenius(exact_lyapunov.operator(balls, away, continuous) + W)
+        assert exact_lyapunov.balls(away, H, defect).contains(Y)
+        assert not exact_lyapunov.balls(away, H, defect * flint.arb(2) ** -20).contains(Y)
+
+
+@pytest.mark.parametrize(("A", "continuous"), [(0.0, True), (0.5, True), (1.0, False), (-1.5, False)])
+def test_what_is_not_stable_has_no_solution(A: float, continuous: bool) -> None:
+    with precise.precision(), pytest.raises(ZeroDivisionError):
+        exact_lyapunov.solution(flint.arb_mat([[A]]), flint.arb_mat([[1]]), continuous)
