@@ -40,7 +40,8 @@ class Riccati:
     """The stabilising solution X (n, n) and L (m, n), u = -L x, for the weights Q, R, N, with its certificate.
 
     `poles` (n,) are those of A - B L, in 1/s or in z. `defect` and `step` (n, n) hold the absolute entries of the
-    equation's left side at X and of the further Newton step from X, an estimate of X's error; from them
+    equation's left side at X and of the further Newton step from X, an estimate of X's error, or, with `exact`, that
+    error itself; from them
 
     `residual`       the largest entry of the left side at X, relative to the sum of the absolute values of its terms
     `forward_error`  the largest error of X_ij over sqrt(X_ii X_jj); infinite where A - B L is not stable

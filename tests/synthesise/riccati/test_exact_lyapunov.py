@@ -50,6 +50,16 @@ def test_a_centre_that_is_off_has_a_radius_that_covers_it(continuous: bool, off:
         assert not exact_lyapunov.balls(away, H, defect * flint.arb(2) ** -20).contains(Y)
 
 
+@pytest.mark.parametrize("continuous", [True, False])
+def test_a_majorant_that_is_too_small_is_detected(continuous: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    A, gramian = stable(3, continuous), exact_lyapunov.StableMap.gramian
+    with precise.precision():
+        decay = exact_lyapunov.stable_map(precise.matrix(A), Bilinear(1.0, continuous))
+        for factor, is_proved in ((1.0, True), (0.4, False)):
+            monkeypatch.setattr(exact_lyapunov.StableMap, "gramian", lambda s, W, f=factor: gramian(s, W) * f)
+            assert (decay.majorant(np.ones(len(A))) is not None) == is_proved
+
+
 @pytest.mark.parametrize(("A", "continuous"), [(0.0, True), (0.5, True), (1.0, False), (-1.5, False)])
 def test_what_is_not_stable_has_no_solution(A: float, continuous: bool) -> None:
     with precise.precision(), pytest.raises(ZeroDivisionError):
