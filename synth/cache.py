@@ -9,8 +9,9 @@ import functools
 import importlib.metadata
 import os
 import platform
+import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -20,6 +21,7 @@ from synth.errors import ContentError
 P = ParamSpec("P")
 T = TypeVar("T")
 
+DISTRIBUTION = "synth-stage"
 # Variables that choose the kernels of linear algebra, and how many threads share a sum: both change how it rounds.
 KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GOTO_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -52,11 +54,33 @@ def key(function: Callable[..., Any], *values: Any, data: bool = False) -> str:
 
 @functools.cache
 def environment() -> str:
-    """Return a digest of the environment of every result: Python, packages, platform, processor, kernels."""
-    packages = sorted({(d.name or "", d.version or "") for d in importlib.metadata.distributions()})
+    """Return a digest of the environment of every result: Python, packages, platform, processor, kernels.
+
+    Packages that only tests and documents of the toolkit need are no part of it: `make test` uses what was built.
+    """
+    installed = {_name(d.name or ""): d for d in importlib.metadata.distributions()}
+    optional = _requirements(installed, True) - _requirements(installed, False)
+    packages = sorted((name, d.version or "") for name, d in installed.items() if name not in optional)
     processor = (platform.system(), platform.machine(), _processor(), os.cpu_count())
     kernels = [(name, os.environ.get(name)) for name in KERNELS]
     return contents.digest(sys.version, packages, processor, kernels)
+
+
+def _requirements(installed: Mapping[str, importlib.metadata.Distribution], extras: bool) -> set[str]:
+    """Return the names of the installed packages that the toolkit requires, directly or not, with its extras or not."""
+    reached, waiting = set[str](), [DISTRIBUTION]
+    while waiting:
+        name = waiting.pop()
+        if name in installed and name not in reached:
+            reached.add(name)
+            with_extras = extras and name == DISTRIBUTION
+            waiting += [_name(r) for r in installed[name].requires or () if with_extras or "extra ==" not in r]
+    return reached
+
+
+def _name(requirement: str) -> str:
+    """Return the normalised name of a package from a requirement, as in `Jinja2>=3.1; extra == "docs"`."""
+    return re.split(r"[^A-Za-z0-9._-]", requirement, maxsplit=1)[0].lower().replace("_", "-").replace(".", "-")
 
 
 def _processor() -> str:

@@ -10,8 +10,8 @@ import subprocess
 import sys
 import textwrap
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -132,19 +132,42 @@ def test_the_same_is_the_same_in_another_process(workspace: Path) -> None:
     assert keys(workspace, PYTHONHASHSEED="1") == keys(workspace, PYTHONHASHSEED="2")
 
 
-def test_a_package_of_another_version_is_another_key(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Installed:
-        def __init__(self, name: str, version: str) -> None:
-            self.name, self.version = name, version
+@dataclass
+class Installed:
+    """A package that is installed."""
 
-    keys = []
-    for version in ("2.0", "2.1"):
-        monkeypatch.setattr("importlib.metadata.distributions", lambda version=version: [Installed("numpy", version)])
+    name: str
+    version: str
+    requires: Sequence[str] = ()
+
+
+def environment_of(packages: Sequence[Installed], monkeypatch: pytest.MonkeyPatch) -> str:
+    with monkeypatch.context() as patched:
+        patched.setattr("importlib.metadata.distributions", lambda: packages)
         cache.environment.cache_clear()
-        keys.append(cache.environment())
-    monkeypatch.undo()
+        digest = cache.environment()
     cache.environment.cache_clear()
+    return digest
+
+
+def test_a_package_of_another_version_is_another_key(monkeypatch: pytest.MonkeyPatch) -> None:
+    keys = [environment_of([Installed("numpy", version)], monkeypatch) for version in ("2.0", "2.1")]
     assert len({*keys, cache.environment()}) == 3
+
+
+def test_packages_that_only_tests_of_the_toolkit_need_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a workspace has installed for itself counts, though the toolkit does not require it."""
+    toolkit = Installed(
+        "synth-stage", "1", ['A_one>=2; python_version > "3"', "b[c]", 'b; extra == "dev"', 'd; extra == "dev"']
+    )
+    needed = [toolkit, Installed("a.One", "1", ["e"]), Installed("b", "1"), Installed("E", "1")]
+    tests = [Installed("d", "1", ["f (>=1)"]), Installed("f", "1", ["e"])]
+    plain = environment_of(needed, monkeypatch)
+    assert environment_of([*needed, *tests], monkeypatch) == plain
+    for package in needed:
+        later = [replace(p, version="2") if p is package else p for p in needed]
+        assert environment_of([*later, *tests], monkeypatch) != plain
+    assert environment_of([*needed, Installed("own", "1")], monkeypatch) != plain
 
 
 def test_another_compiler_is_another_key(monkeypatch: pytest.MonkeyPatch) -> None:
