@@ -24,7 +24,7 @@ from synth.verify.steps import Steps
 
 CORE = "cortex-m4f"
 COMMON = 500  # closed-loop steps for every generator; CasADi's C takes 60,000 instructions for each
-BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 1000  # steps for a measurement of a few seconds
+BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps for a measurement of a few seconds
 NOT_COMPARED = "other compilers and generators, and every decision: by `synth cost`"
 FUNCTIONS = 8  # functions that are listed
 _LINES = ("-g1",)  # adds lines and inlined calls; the code is unchanged. Tables of variables take as long as the code

@@ -1,4 +1,4 @@
-"""Numbers of the packaged C: each has a name, but for factors of formulas, ranges of inputs, limits and polynomials."""
+"""Numbers of the packaged C: each has a name, but for factors of formulas, ranges of inputs and polynomials."""
 
 import re
 from collections.abc import Sequence
@@ -12,8 +12,8 @@ NAMES = sorted(path.name for path in GENERATED.iterdir())
 NUMBER = re.compile(r"(?<![\w.])(\d+\.?\d*(?:e[+-]?\d+)?)f\b")
 # A declaration, a struct of numbers, a call of the guard, the argument of a polynomial, and a count beside a number.
 NAMED = re.compile(r"static const|\.\w+ = -?[\d.]|_(?:hold|replace)(?:_within)?\(|_argument = |missed_calls|\(float\)")
-# The range of a state, which the header has, and the plant's numbers in the inverse of a feedback linearisation: F0/M,
-# g, M/K and K/M of models/levitator.py.
+# Of a design in OF_PLANT alone: the range of a state, which the header has, and the plant's numbers in the inverse of a
+# feedback linearisation: F0/M, g, M/K and K/M of models/levitator.py.
 LIMIT = re.compile(r"(_limit\(.*), [\d.e+-]+f\)")
 OF_PLANT = {"levitator_2dof": ("9.333333", "9.81", "0.075", "13.333333")}
 
@@ -24,7 +24,11 @@ def nameless(source: str, known: Sequence[str] = ()) -> list[str]:
     code = re.sub(r"^static inline float \w+_polynomial\(.*?^}", "", code, flags=re.DOTALL | re.MULTILINE)
     statements = [" ".join(s.split()) for s in re.split(r"[;{}]", code)]
     plain = [s for s in statements if not NAMED.search(s)]
-    return [s for s in plain if any(has_no_name(n) for n in NUMBER.findall(LIMIT.sub(r"\1)", s)) if n not in known)]
+    return [
+        s
+        for s in plain
+        if any(has_no_name(n) for n in NUMBER.findall(LIMIT.sub(r"\1)", s) if known else s) if n not in known)
+    ]
 
 
 def has_no_name(number: str) -> bool:
