@@ -17,7 +17,8 @@ from time import process_time
 import numpy as np
 
 from synth.block import Block, Exprs, Step, build, clip
-from synth.blocks import derivative_filter, regulator, safe_output, safety
+from synth.blocks.guard import safe_output, safety
+from synth.blocks.laws import derivative_filter, regulator
 from synth.composition import compose
 from synth.emit import write
 from synth.execute import compile as host_compiler

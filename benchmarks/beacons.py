@@ -12,9 +12,9 @@ import casadi as ca
 import numpy as np
 
 from synth.block import Block, Exprs
-from synth.blocks import glsdc_estimator, glsdc_model
-from synth.blocks.glsdc_integrity import Integrity
-from synth.blocks.glsdc_model import Unknown
+from synth.blocks.estimate import glsdc_estimator, glsdc_model
+from synth.blocks.estimate.glsdc_integrity import Integrity
+from synth.blocks.estimate.glsdc_model import Unknown
 from synth.signals import Signal
 from synth.statespace import Array
 from synth.timing import Discrete

@@ -16,7 +16,7 @@ from time import perf_counter
 import control
 import numpy as np
 
-from synth.analyse import disk
+from synth.analyse.loops import disk
 from synth.statespace import StateSpace, of
 
 SIZES = ((2, 10), (4, 30), (6, 50))  # channels, states

@@ -17,8 +17,8 @@ import numpy as np
 from benchmarks import beacons
 from benchmarks.beacons import Problem
 from synth.block import Block
-from synth.blocks.glsdc_integrity import Integrity
-from synth.blocks.glsdc_solution import Iteration
+from synth.blocks.estimate.glsdc_integrity import Integrity
+from synth.blocks.estimate.glsdc_solution import Iteration
 from synth.emit import write
 from synth.execute import cross, host
 from synth.execute.build import compile_block

@@ -30,8 +30,11 @@ from benchmarks.hostile_examples import (
     model,
     usual,
 )
-from synth.analyse import equilibrium, lie, relative_degree
-from synth.blocks import advance, lookup_table, safety
+from synth.analyse.loops import equilibrium
+from synth.analyse.structure import lie, relative_degree
+from synth.blocks.estimate import advance
+from synth.blocks.guard import safety
+from synth.blocks.laws import lookup_table
 from synth.signals import Parameter
 from synth.synthesise.feedback import lqr
 from synth.synthesise.identify import calibration, logs

@@ -13,11 +13,13 @@ import casadi as ca
 import control
 import numpy as np
 
-from synth.analyse import discretise, equilibrium, operating_points, singularity
+from synth.analyse import discretise, operating_points
+from synth.analyse.loops import equilibrium
+from synth.analyse.structure import singularity
 from synth.block import Block, Constant, State, Step
 from synth.block import build as block
-from synth.blocks import predictive_servo
-from synth.blocks.lead_lag import Loop
+from synth.blocks.laws import predictive_servo
+from synth.blocks.laws.lead_lag import Loop
 from synth.plant import build as plant
 from synth.signals import Parameter, Signal
 from synth.statespace import StateSpace

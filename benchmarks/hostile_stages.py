@@ -7,19 +7,14 @@ import casadi as ca
 
 from benchmarks.hostile_examples import GAP, Call, U, fields, usual
 from synth import stage
-from synth.analyse import parity, robustness
+from synth.analyse.loops import robustness
+from synth.analyse.structure import parity
 from synth.block import Constant
-from synth.blocks import (
-    axis,
-    dead_reckoning,
-    following,
-    glsdc_estimator,
-    landing,
-    missed_calls,
-    probe,
-    redundancy,
-)
-from synth.blocks.glsdc_model import Unknown
+from synth.blocks.estimate import dead_reckoning, glsdc_estimator
+from synth.blocks.estimate.glsdc_model import Unknown
+from synth.blocks.faults import landing, probe, redundancy
+from synth.blocks.guard import following, missed_calls
+from synth.blocks.laws import axis
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.synthesise.nonlinear import feedback_linearisation

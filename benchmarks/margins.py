@@ -18,7 +18,7 @@ from time import process_time
 import numpy as np
 
 from benchmarks.margins_cases import KINDS, Case, Complex, case
-from synth.analyse import stability_margins
+from synth.analyse.loops import stability_margins
 from synth.errors import SynthError
 from synth.statespace import Array
 

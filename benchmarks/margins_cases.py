@@ -13,8 +13,8 @@ import mpmath  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse import loop as analysed_loop
-from synth.analyse import transfer
+from synth.analyse.loops import loop as analysed_loop
+from synth.analyse.loops import transfer
 from synth.statespace import Array, StateSpace, of
 
 Complex = NDArray[np.complex128]

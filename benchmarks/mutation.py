@@ -37,10 +37,10 @@ from typing import Any, NoReturn
 MODULES = (
     "synth/signals.py",
     "synth/composition.py",
-    "synth/analyse/relative_degree.py",
-    "synth/analyse/transfer.py",
+    "synth/analyse/structure/relative_degree.py",
+    "synth/analyse/loops/transfer.py",
     "synth/synthesise/feedback/lqr.py",
-    "synth/blocks/safety.py",
+    "synth/blocks/guard/safety.py",
     "synth/emit/passes/fold.py",
     "synth/execute/elf.py",
     "synth/simulate/metrics.py",

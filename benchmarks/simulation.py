@@ -27,14 +27,15 @@ import numpy as np
 from designs.maglev import experiments, motions, platen
 from designs.maglev_5dof import design
 from designs.maglev_5dof.experiments import LIMITS
-from synth import standard_tasks, study_jobs
+from synth.app import standard_tasks, study_jobs
 from synth.check import Check
 from synth.plant import Plant
 from synth.signals import signal_names
-from synth.simulate import closed_loop, integration, lanes, sampling
+from synth.simulate import closed_loop, integration, sampling
 from synth.simulate.experiment import Experiment
 from synth.simulate.integration import Integration
-from synth.simulate.lane_memory import Recording
+from synth.simulate.lanes import lanes
+from synth.simulate.lanes.lane_memory import Recording
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Scenario, Trajectory
 

@@ -15,8 +15,8 @@ TURNS = 7
 COMMANDS = {
     "the interpreter alone": "pass",
     "import synth": "import synth",
-    "synth --help": "import sys; sys.argv = ['synth', '--help']; from synth.cli import main; main()",
-    "the commands of synth": "import synth.commands",
+    "synth --help": "import sys; sys.argv = ['synth', '--help']; from synth.app.cli import main; main()",
+    "the commands of synth": "import synth.app.commands",
     "import control": "import control",
 }
 

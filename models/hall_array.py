@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from models import concentrated_field
 from models.concentrated_field import Wave
 from models.hall_chain import Chain
-from synth import column_maps
+from synth.base import column_maps
 from synth.block import Exprs
 from synth.errors import ModelError
 from synth.plant import Plant, build

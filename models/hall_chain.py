@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from synth.analyse.interconnect import connect
+from synth.analyse.loops.interconnect import connect
 from synth.errors import ModelError
 from synth.statespace import StateSpace, readonly
 from synth.timing import Discrete

@@ -23,7 +23,8 @@ from numpy.typing import ArrayLike
 from models import concentrated_field, hall_array
 from models.concentrated_field import Wave
 from models.hall_array import Array, HallArray, Pair, Triple
-from synth import column_maps, numeric
+from synth import numeric
+from synth.base import column_maps
 from synth.errors import ModelError
 from synth.statespace import readonly
 

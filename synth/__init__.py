@@ -21,7 +21,7 @@ Errors
     SynthError                 the base of every error that this package raises; each says how to mend it
 """
 
-from synth import lazy
+from synth.base import lazy
 
 __version__ = "0.1.0"
 __getattr__, __dir__, __all__ = lazy.exports(__name__, __file__)

@@ -8,7 +8,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import arguments, column_maps, law, show
+from synth import arguments, law, show
+from synth.base import column_maps
 from synth.block import Constant
 from synth.errors import SignalError
 from synth.signals import Parameter, Signal, signal_names

@@ -20,17 +20,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from synth import builds, standard_tasks
 from synth import stage as stages
+from synth.app import builds, standard_tasks
+from synth.app.tasks import attempt
+from synth.app.workspace import Design
+from synth.base.progress import silent
 from synth.block import Block
-from synth.declaration import Controller, Interface, Stage
+from synth.declare.stage import Controller, Interface, Stage
 from synth.execute import compile as host_compiler
 from synth.execute import host
-from synth.progress import silent
-from synth.tasks import attempt
 from synth.verify import agree, sampling, standard, steps, stimuli, suite
 from synth.verify.evidence import Evidence
-from synth.workspace import Design
 
 __all__ = [
     "test_defects_that_are_planted_are_found",

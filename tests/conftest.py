@@ -5,7 +5,7 @@ import os
 import pytest
 from hypothesis import HealthCheck, settings
 
-from synth import store
+from synth.base import store
 from tests import kernels, tools
 
 # Without a deadline for one example and for drawing it, a busy machine fails nothing; the examples are always the same.

@@ -11,7 +11,8 @@ import control
 import pytest
 
 from docs import pages
-from synth import analyse, new, synthesise
+from synth import analyse, synthesise
+from synth.app import new
 
 pytestmark = pytest.mark.slow
 
@@ -36,7 +37,7 @@ def synth(folder: Path, *words: str) -> str:
     return done.stdout
 
 
-COMMAND = ("-c", "from synth.cli import main; main()")
+COMMAND = ("-c", "from synth.app.cli import main; main()")
 
 
 @pytest.mark.whole

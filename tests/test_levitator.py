@@ -32,7 +32,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def synth(workspace: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Run a command of the toolkit in a process of its own, in the workspace."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-c", "from synth.cli import main; main()", *arguments]
+    command = [sys.executable, "-c", "from synth.app.cli import main; main()", *arguments]
     return subprocess.run(command, cwd=workspace, env=environment, capture_output=True, text=True, check=False)
 
 

@@ -7,7 +7,8 @@ import control
 import numpy as np
 import pytest
 
-from synth.analyse import discretise, disk, feedback_loop, interconnect, transfer
+from synth.analyse import discretise
+from synth.analyse.loops import disk, feedback_loop, interconnect, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace, in_common_time, of
 from synth.synthesise.classical import lead_lag

@@ -7,7 +7,7 @@ import pytest
 
 from synth import Constant, Signal, Step, build_block, stage, testing
 from synth.block import Block, Exprs
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.verify import agree
 from tests import levitator
 

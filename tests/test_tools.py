@@ -23,7 +23,7 @@ OTHER_SKIPS = {
     "tests/designs/maglev_5dof/test_faults.py",
     "tests/execute/test_compile.py",
     "tests/test_kernels.py",
-    "tests/test_study_jobs.py",
+    "tests/app/test_study_jobs.py",
 }
 PLANTED = """
 import pytest

@@ -13,9 +13,9 @@ from designs.hall_position.protected import config as protected
 from designs.hall_position.protected import stimuli as protected_stimuli
 from models import papers
 from synth import stage
-from synth.progress import Progress
+from synth.app.workspace import CostStimuli
+from synth.base.progress import Progress
 from synth.stage import Companion
-from synth.workspace import CostStimuli
 
 
 def report(files: Any, evidence: Any, runs: Any, rows: Any, cost: Any, parts: Mapping[str, Any]) -> str:

@@ -12,13 +12,13 @@ from designs.levitator_2dof import reference
 from models import levitator
 from synth import stage
 from synth.analyse import linearisation, operating_points
-from synth.blocks import axis
+from synth.blocks.laws import axis
+from synth.declare.tuning import FreeParameter, Tuning
 from synth.simulate.conditions import Conditions, Sine
 from synth.simulate.experiments import Hold, LiftOff, StepResponse, Track
 from synth.stage import Actuator, FaultCampaign, FaultLimit, Sensor, SetPoint, StudyLimits
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
-from synth.tuning import FreeParameter, Tuning
 
 TIME = Discrete(1 / 2000)  # s
 SCAN, MAINS = 2 * pi * 10, 2 * pi * 50  # rad/s: of the set-points, and of the disturbance

@@ -44,8 +44,9 @@ from designs.maglev.platen import (
 )
 from models import maglev_phases, maglev_stage
 from synth.block import Block, Certificate, Constant, Exprs, State, Step, build, clip
-from synth.blocks import advance, phasor, safety
-from synth.blocks.glsdc import NamedExpressions
+from synth.blocks.estimate import advance, phasor
+from synth.blocks.estimate.glsdc import NamedExpressions
+from synth.blocks.guard import safety
 from synth.composition import compose
 from synth.fault import Fault
 from synth.plant import Plant

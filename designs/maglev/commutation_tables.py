@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from designs.maglev import platen
-from synth.blocks import phasor
-from synth.companion import Companion
-from synth.declaration import Stage
+from synth.blocks.estimate import phasor
+from synth.declare.companion import Companion
+from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
 from synth.execute import host
 from synth.report import page

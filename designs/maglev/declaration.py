@@ -16,10 +16,10 @@ from designs.maglev import (
 )
 from models import maglev_phases, maglev_stage, papers
 from synth import stage
+from synth.app.workspace import Design
 from synth.block import Block
 from synth.plant import Plant
 from synth.stage import Companion, Drive
-from synth.workspace import Design
 
 EQUATIONS = f"F(n) and (n) are equation (n) of {papers.FULFORD}."
 START = (

@@ -10,7 +10,7 @@ import numpy as np
 from designs.maglev import commutation, motions, platen
 from designs.maglev.platen import RESOLUTION
 from synth.check import Check
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.execute import host
 from synth.simulate import metrics
 from synth.simulate.experiment import Experiment

@@ -3,7 +3,7 @@
 from math import pi
 
 from designs.maglev import motions, platen
-from synth.campaign import FaultCampaign, FaultLimit
+from synth.declare.fault_campaign import FaultCampaign, FaultLimit
 
 # The platen is level in the tracking where it is nearest to the magnets, and symmetry hides what a tilt shows.
 TILTED_POINT = {"y_ref": 0.0185, "x_ref": 0.02, "z_ref": -0.02, "phi_ref": 0.5e-3, "theta_ref": 3e-3}  # m, rad

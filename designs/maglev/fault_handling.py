@@ -30,10 +30,12 @@ from designs.maglev.platen import (
 )
 from models import maglev_stage, pmlsm
 from synth import stage
-from synth.analyse import parity
+from synth.analyse.structure import parity
 from synth.block import Block, Constant, Exprs, Step, build
-from synth.blocks import innovation_monitor, landing, missed_calls, predictor, probe, redundancy
-from synth.blocks.redundancy_decision import jump_gate
+from synth.blocks.estimate import predictor
+from synth.blocks.faults import innovation_monitor, landing, probe, redundancy
+from synth.blocks.faults.redundancy_decision import jump_gate
+from synth.blocks.guard import missed_calls
 from synth.emit.c import digits
 from synth.fault import Fault
 from synth.plant import Plant

@@ -20,7 +20,7 @@ import numpy as np
 from designs.maglev import platen
 from designs.maglev.platen import OMEGA0, RESOLUTION
 from synth.block import Block
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.execute import build, host
 from synth.simulate import metrics
 from synth.simulate.conditions import Sine

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from designs.maglev import motions, platen, reference_faults, reference_stage
 from synth.block import Block
 from synth.check import Check
-from synth.declaration import Reference, Stage
+from synth.declare.stage import Reference, Stage
 from synth.fault import LATCH_BIT
 from synth.simulate import rig as simulation
 from synth.simulate.rig import Rig

@@ -22,7 +22,7 @@ from designs.maglev.platen import COMPENSATED, CURRENT, CURRENTS, DIRECT, HELD, 
 from models import maglev_stage, pmlsm
 from synth import stage
 from synth.block import Block, Constant, Exprs, Step, build, clip
-from synth.blocks import derivative_filter, regulator
+from synth.blocks.laws import derivative_filter, regulator
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 from synth.statespace import StateSpace

@@ -9,8 +9,8 @@ import numpy as np
 from designs.maglev import experiments, platen
 from designs.maglev_5dof import control
 from models import maglev_stage
-from synth.campaign import StudyLimits
 from synth.check import Check
+from synth.declare.fault_campaign import StudyLimits
 from synth.execute import build, host
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig

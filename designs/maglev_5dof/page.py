@@ -7,7 +7,7 @@ import numpy as np
 from designs.maglev import commutation, commutation_tables, motions, platen
 from designs.maglev_5dof import control
 from models import maglev_stage
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.plant import Plant
 from synth.report import figures, page, presentation, standard, template
 from synth.report.prose import Value

@@ -38,8 +38,11 @@ from designs.maglev_5dof_precise import inverse
 from models import maglev_stage, pmlsm
 from synth import stage
 from synth.block import Block, Constant, Exprs, Step, build, clip
-from synth.blocks import predictive_servo, predictor, probe, range_numbers
-from synth.blocks.axis_regulator import internal_weights
+from synth.blocks.estimate import predictor
+from synth.blocks.faults import probe
+from synth.blocks.guard import range_numbers
+from synth.blocks.laws import predictive_servo
+from synth.blocks.laws.axis_regulator import internal_weights
 from synth.emit.c import digits
 from synth.plant import Plant
 from synth.signals import Signal, signal_names

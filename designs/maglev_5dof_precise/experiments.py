@@ -5,8 +5,8 @@ from math import inf
 
 from designs.maglev import experiments, motions
 from models import maglev_as_built, maglev_stage
-from synth.campaign import StudyLimits
 from synth.check import Check
+from synth.declare.fault_campaign import StudyLimits
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig

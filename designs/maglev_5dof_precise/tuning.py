@@ -9,8 +9,8 @@ from dataclasses import replace
 
 from designs.maglev_5dof_precise import control
 from synth import stage
+from synth.declare.tuning import FreeParameter, Tuning
 from synth.plant import Plant
-from synth.tuning import FreeParameter, Tuning
 
 AXES = ("x", "z")  # they share their parameters
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from designs.planar_6dof import filtering, vertical
 from designs.planar_6dof.loop import Array, simulate
-from synth.blocks import lead_lag as lead_lag_block
+from synth.blocks.laws import lead_lag as lead_lag_block
 from synth.emit.c import digits
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times

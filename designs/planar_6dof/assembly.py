@@ -9,14 +9,15 @@ from designs.planar_6dof import artefacts, cost_stimuli, faults, interface, loop
 from designs.planar_6dof.random_steps import Subject
 from designs.planar_6dof.sensing import sections as sensing
 from models import halbach, papers, planar_stage
-from synth import stage, standard_tasks
-from synth.blocks import repeated_codes
-from synth.campaign import StudyLimits
+from synth import stage
+from synth.app import standard_tasks
+from synth.app.workspace import Design
+from synth.blocks.faults import repeated_codes
+from synth.declare.fault_campaign import StudyLimits
 from synth.report.audit import Row
 from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 from synth.timing import Discrete
-from synth.workspace import Design
 
 START = (
     "At init the platen is within half a pitch, 25.4 mm, of the middle in x and y, and its yaw is below 0.025 rad: the "

@@ -1,7 +1,8 @@
 """Hall channel failures (stuck, zero, NaN), at rest and in motion: detection, isolation, and the consequences.
 
 Each of the six channels fails alone, FAILURE seconds after the start, with noise, as described in
-`synth.simulate.failure_experiments`. Experiments from START report each channel, a survey over PLACES reports counts.
+`synth.simulate.faults.failure_experiments`. Experiments from START report each channel, a survey over PLACES reports
+counts.
 A platen that a failure carries away may tilt until the lasers are out of range, and then latches.
 """
 
@@ -17,11 +18,11 @@ from designs.planar_6dof.sensing import calibration, contradictions
 from designs.planar_6dof.sensing import sections as sensing
 from models import planar_stage
 from synth.check import Check
-from synth.simulate import failure, failure_experiments
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run
-from synth.simulate.failure import Failure
-from synth.simulate.failure_experiments import NAN, Texts
+from synth.simulate.faults import failure, failure_experiments
+from synth.simulate.faults.failure import Failure
+from synth.simulate.faults.failure_experiments import NAN, Texts
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 

@@ -19,7 +19,7 @@ from designs.planar_6dof.sensing import sections as sensing
 from models import planar_stage
 from synth import stage
 from synth.block import Block
-from synth.declaration import Actuator, Composition, Controller, Interface, Sensor, SetPoint
+from synth.declare.stage import Actuator, Composition, Controller, Interface, Sensor, SetPoint
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.timing import Discrete

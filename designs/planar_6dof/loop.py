@@ -20,9 +20,9 @@ from designs.planar_6dof import filtering, interface
 from designs.planar_6dof.sensing import sections as sensing
 from models import halbach, planar_stage
 from synth.block import Block, unranged
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.composition import compose
-from synth.declaration import Interface, Stage
+from synth.declare.stage import Interface, Stage
 from synth.execute import build, host
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory

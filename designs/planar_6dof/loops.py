@@ -27,9 +27,10 @@ from designs.planar_6dof import loop as simulated
 from designs.planar_6dof.allocation import AXES
 from models import planar_stage
 from models.planar_stage import commutation_matrix
-from synth.analyse import linearisation, loop, operating_points, stability_margins
+from synth.analyse import linearisation, operating_points
+from synth.analyse.loops import loop, stability_margins
 from synth.block import Block
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import Array, StateSpace

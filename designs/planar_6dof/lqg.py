@@ -35,7 +35,7 @@ from designs.planar_6dof.sensing.sections import READY
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
-from synth.blocks import following
+from synth.blocks.guard import following
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace, readonly

@@ -21,7 +21,8 @@ from designs.planar_6dof import allocation, interface, vertical
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.sensing import sections as sensing
 from synth.block import Block, Exprs, State, Step, build
-from synth.blocks import braking, dead_reckoning, start
+from synth.blocks.estimate import dead_reckoning
+from synth.blocks.faults import braking, start
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete

@@ -19,7 +19,7 @@ from designs.planar_6dof.sensing import calibration
 from designs.planar_6dof.sensing import maps as sensing_maps
 from models import planar_stage
 from synth.block import Block
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
 from synth.plant import Plant, Symbols
 from synth.report import captions, page, sections, standard, template

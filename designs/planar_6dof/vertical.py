@@ -9,7 +9,7 @@
 
 Both are sampled by Tustin's rule; docs/decisions/planar_leadlag.md says why.
 
-Each loop is that of `synth.blocks.lead_lag`, all divided by the scale of the axis in `allocation`, so d is its
+Each loop is that of `synth.blocks.laws.lead_lag`, all divided by the scale of the axis in `allocation`, so d is its
 demand in A. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
 """
 
@@ -22,7 +22,7 @@ from designs.planar_6dof import allocation
 from designs.planar_6dof.allocation import ACHIEVED, AXES, BOX, DEMANDS
 from models import planar_stage
 from synth.block import Block, Exprs, Step, build
-from synth.blocks import lead_lag as lead_lag_block
+from synth.blocks.laws import lead_lag as lead_lag_block
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.synthesise.classical import lead_lag

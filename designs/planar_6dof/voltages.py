@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from models import halbach, planar_stage
-from synth import column_maps
+from synth.base import column_maps
 from synth.plant import Plant, build
 from synth.signals import signal_names
 from synth.simulate.scenario import Trajectory

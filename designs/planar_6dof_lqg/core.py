@@ -35,9 +35,10 @@ from designs.planar_6dof.page import REST
 from designs.planar_6dof.sensing.sections import READY
 from designs.planar_6dof.vertical import MARGIN, POSITIONS
 from models import planar_stage
-from synth.analyse import discretise, interconnect
+from synth.analyse import discretise
+from synth.analyse.loops import interconnect
 from synth.block import Block, Constant, Exprs, State
-from synth.blocks import linear_block
+from synth.blocks.laws import linear_block
 from synth.composition import compose
 from synth.emit import write
 from synth.execute import host

@@ -10,7 +10,7 @@ from designs.planar_6dof import loops as shared
 from designs.planar_6dof.lqg import ERROR, TIME
 from designs.planar_6dof_lqg import core, loops
 from models import planar_stage
-from synth.analyse import disk
+from synth.analyse.loops import disk
 from synth.plant import Plant
 from synth.report import figures, multivariable, sections
 from synth.report.page import Figure, Section, Text

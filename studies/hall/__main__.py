@@ -17,7 +17,7 @@ from studies.hall.loop import experiments, four_experiments
 from studies.hall.pages import integrity
 from studies.hall.trust import endurance
 from studies.hall.trust.estimator_ensemble import EstimatorConfig
-from synth import progress, strict_json
+from synth.base import progress, strict_json
 
 RESULTS, PAGE = Path(__file__).with_name("results.json"), Path("reports", "hall_studies.html")
 BODIES, SAMPLES = 2000, 5000  # in random motion: ten million samples

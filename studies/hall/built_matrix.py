@@ -32,7 +32,7 @@ from models.finite_matrix import Array, Blocks, Complex, Series
 from models.hall_array import Pair
 from models.hall_chain import Chain
 from synth import numeric
-from synth.cache import cached
+from synth.base.cache import cached
 from synth.errors import ModelError
 from synth.plant import Plant, build
 from synth.signals import Signal, signal_names

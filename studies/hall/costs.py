@@ -22,11 +22,11 @@ from models.hall_stage import Stage
 from models.hall_two_waves import SpatialArray
 from studies.hall.pages import six
 from studies.hall.protected import spatial
+from synth.base.progress import Progress
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import cross, host
-from synth.progress import Progress
 from synth.report import page
 from synth.verify import baselines, meter, steps
 from synth.verify.baselines import Candidate

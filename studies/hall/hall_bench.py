@@ -19,7 +19,8 @@ from models.hall_array import Pair
 from models.hall_chain import Chain
 from studies.hall import built_matrix
 from studies.hall.built_matrix import Field, Mounting, Tolerances
-from synth import column_maps, numeric
+from synth import numeric
+from synth.base import column_maps
 from synth.errors import ModelError
 from synth.statespace import Array, readonly
 from synth.synthesise.identify.logs import Log

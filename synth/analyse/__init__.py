@@ -26,6 +26,6 @@ Responses
     impulse_response(system, duration_s) the response to a unit impulse at each input
 """
 
-from synth import lazy
+from synth.base import lazy
 
 __getattr__, __dir__, __all__ = lazy.exports(__name__, __file__)

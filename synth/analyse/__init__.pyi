@@ -1,20 +1,20 @@
 from synth.analyse.discretise import delay_samples as delay_samples
 from synth.analyse.discretise import zero_order_hold as c2d
-from synth.analyse.disk import of_loop as disk_margin
-from synth.analyse.feedback_loop import close as sensitivity
-from synth.analyse.feedback_loop import feedback as feedback
-from synth.analyse.gramian import gramians as gramians
-from synth.analyse.interconnect import connect as connect
 from synth.analyse.linearisation import linearise as linearise
+from synth.analyse.loops.disk import of_loop as disk_margin
+from synth.analyse.loops.feedback_loop import close as sensitivity
+from synth.analyse.loops.feedback_loop import feedback as feedback
+from synth.analyse.loops.interconnect import connect as connect
+from synth.analyse.loops.stability_margins import of_loop as margins
+from synth.analyse.loops.transfer import response as frequency_response
+from synth.analyse.loops.transfer import with_delay_and_hold as with_delay_and_hold
 from synth.analyse.operating_points import trim as trim
-from synth.analyse.realisation import minimal as minreal
-from synth.analyse.stability_margins import of_loop as margins
-from synth.analyse.structure import poles as poles
-from synth.analyse.structure import transmission_zeros as zeros
+from synth.analyse.structure.gramian import gramians as gramians
+from synth.analyse.structure.realisation import minimal as minreal
+from synth.analyse.structure.structure import poles as poles
+from synth.analyse.structure.structure import transmission_zeros as zeros
 from synth.analyse.time_response import impulse_response as impulse_response
 from synth.analyse.time_response import step_response as step_response
-from synth.analyse.transfer import response as frequency_response
-from synth.analyse.transfer import with_delay_and_hold as with_delay_and_hold
 
 __all__ = [
     "c2d",

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import lapack
 
 from synth import arguments
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous, Discrete

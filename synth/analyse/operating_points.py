@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse import nearest_root
+from synth.analyse.numerics import nearest_root
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Signal, signal_names

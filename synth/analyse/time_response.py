@@ -20,7 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth import arguments, show
-from synth.analyse import discretise, equilibrate, transfer
+from synth.analyse import discretise
+from synth.analyse.loops import transfer
+from synth.analyse.numerics import equilibrate
 from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous

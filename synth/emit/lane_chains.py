@@ -10,7 +10,7 @@ Level Parallelism with Multimedia Instruction Sets, PLDI 2000.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from synth.emit.lower import Program
+from synth.emit.program.lower import Program
 
 WIDTHS = (2, 4, 8)  # doubles in a vector
 

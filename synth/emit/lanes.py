@@ -15,10 +15,10 @@ import numpy as np
 
 from synth.emit import lane_chains
 from synth.emit.c.expressions import literal
-from synth.emit.c.kinds import kinds
 from synth.emit.lane_chains import Group
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LIBM
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LIBM
+from synth.emit.proof.kinds import kinds
 
 TYPES: Mapping[type[np.floating], tuple[str, str, str]] = {
     np.float32: ("vf", "vuf", "vmf"),  # reals, counters, truth values

@@ -28,19 +28,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from synth import cache
+from synth.base import cache
 from synth.block import Block, Constant
-from synth.emit import lower
-from synth.emit.c import c_text, equations, header, kinds, layout, printer
+from synth.emit.c import c_text, calls, equations, header, printer
 from synth.emit.c import lines as wrapping
-from synth.emit.c.layout import Layout
-from synth.emit.lower import Program
-from synth.emit.passes import calls, fault_bits, flags, fold, guards, limits, numbers, schedule, slews, surrogates
+from synth.emit.c.routine import Group
+from synth.emit.passes import fault_bits, flags, fold, guards, limits, numbers, schedule, slews, surrogates
 from synth.emit.passes import outline as alike
-from synth.emit.passes.routine import Group
 from synth.emit.passes.statements import Statement
 from synth.emit.passes.surrogates import Surrogate
-from synth.emit.proof import ranges, safe
+from synth.emit.program import layout, lower
+from synth.emit.program.layout import Layout
+from synth.emit.program.lower import Program
+from synth.emit.proof import kinds, ranges, safe
 from synth.signals import product_unit
 
 CERTAIN = 24  # operations that calls do not print again: more lines than a function and its calls need

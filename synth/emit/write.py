@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from synth import store
+from synth.base import store
 from synth.block import Block
 from synth.emit import pipeline
 from synth.emit.c import diagnostics, header, manifest
-from synth.emit.lower import Program
+from synth.emit.program.lower import Program
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from synth import store
+from synth.base import store
 from synth.errors import CompileError
 
 RUN = "run"  # the file that names the run which built a product

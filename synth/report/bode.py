@@ -14,8 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullFormatter
 
-from synth.analyse import plots, stability_margins
-from synth.analyse.stability_margins import Margins
+from synth.analyse import plots
+from synth.analyse.loops import stability_margins
+from synth.analyse.loops.stability_margins import Margins
 from synth.errors import SignalError
 from synth.report.figures import COLOURS, place_axes, style_context
 from synth.statespace import Array, Complex, StateSpace

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from synth.analyse import robustness
+from synth.analyse.loops import robustness
 from synth.report import page
 from synth.report.page import Section, Table, Text
 from synth.simulate import study

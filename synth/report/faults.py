@@ -2,8 +2,8 @@
 
 from synth.report import page
 from synth.report.page import Section
-from synth.simulate import fault_table
-from synth.simulate.fault_rows import Campaign
+from synth.simulate.faults import fault_table
+from synth.simulate.faults.fault_rows import Campaign
 
 TITLE = "What faults do to the machine"
 ABOUT = (

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from synth.analyse.disk import DiskMargin
+from synth.analyse.loops.disk import DiskMargin
 from synth.report import charts
 from synth.report.charts import Chart, Line
 from synth.report.figures import COLOURS

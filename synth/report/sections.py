@@ -5,8 +5,8 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from synth.analyse.disk import DiskMargin
-from synth.analyse.stability_margins import Margins
+from synth.analyse.loops.disk import DiskMargin
+from synth.analyse.loops.stability_margins import Margins
 from synth.plant import Plant
 from synth.report import bode, figures, first_screen
 from synth.report.audit import Row

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from synth.analyse.stability_margins import Margins
+from synth.analyse.loops.stability_margins import Margins
 from synth.block import Block
 from synth.emit.write import EmittedCode
 from synth.plant import Plant

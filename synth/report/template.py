@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from synth.analyse import robustness
-from synth.analyse.robustness import Survey
+from synth.analyse.loops import robustness
+from synth.analyse.loops.robustness import Survey
 from synth.check import Check, Incomplete, of_error
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
 from synth.report import faults, first_screen, page, prose, sections, standard, study
 from synth.report.audit import Row

@@ -1,8 +1,8 @@
 """Page of a tuning: proposed values beside the declared ones, goals, margins, certificate, and the Pareto front."""
 
+from synth.declare.tuning import Candidate, Goal, Tuned, Tuning
 from synth.report import page
 from synth.report.page import Checks, Section, Table
-from synth.tuning import Candidate, Goal, Tuned, Tuning
 
 TITLE = "Tuning"
 ABOUT = (

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth.declaration import Interface, SetPoint
+from synth.declare.stage import Interface, SetPoint
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.simulate.scenario import Array

@@ -15,9 +15,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from synth.base.progress import each
 from synth.check import Check, Incomplete, of_error
 from synth.errors import SignalError
-from synth.progress import each
 from synth.signals import Signal
 from synth.simulate import conditions, metrics
 from synth.simulate.conditions import Conditions, Course, Ramp

@@ -8,8 +8,9 @@ import numpy as np
 from synth.errors import WiringError
 from synth.execute import host
 from synth.plant import Plant
-from synth.simulate import closed_loop, lanes
+from synth.simulate import closed_loop
 from synth.simulate.experiments import Runnable
+from synth.simulate.lanes import lanes
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Scenario, Trajectory
 

@@ -8,7 +8,7 @@ from importlib import resources
 
 import casadi as ca
 
-from synth import store
+from synth.base import store
 from synth.emit.c import casadi_c
 from synth.errors import WiringError
 from synth.execute import compile as host_compiler

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.execute import build, host
 from synth.plant import Plant
 from synth.simulate import closed_loop, faulty

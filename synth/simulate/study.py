@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 from synth.check import Check, describe
 from synth.errors import DesignError
-from synth.simulate import lockstep, sampling
+from synth.simulate import sampling
 from synth.simulate.experiments import Runnable
 from synth.simulate.integration import Integration
-from synth.simulate.lane_memory import Name
-from synth.simulate.lanes import LANES
+from synth.simulate.lanes import lockstep
+from synth.simulate.lanes.lane_memory import Name
+from synth.simulate.lanes.lanes import LANES
 from synth.simulate.rig import Rig, Simulate
 from synth.simulate.sampling import Sampling
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import store
+from synth.base import store
 from synth.errors import DesignError
 from synth.simulate.study import CONFIDENCE, StudyTable, estimate_yield, summarise
 

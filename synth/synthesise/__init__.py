@@ -28,6 +28,6 @@ Nonlinear plants and measurements
     fit_trajectory(plant, log, ...)       parameters from logged trajectories
 """
 
-from synth import lazy
+from synth.base import lazy
 
 __getattr__, __dir__, __all__ = lazy.exports(__name__, __file__)

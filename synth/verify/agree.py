@@ -21,7 +21,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import arguments, column_maps
+from synth import arguments
+from synth.base import column_maps
 from synth.block import Block
 from synth.emit.c import casadi_c
 from synth.errors import SignalError, design_lines

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from synth.companion import Companion
-from synth.declaration import Stage
+from synth.declare.companion import Companion
+from synth.declare.stage import Stage
 from synth.verify import agree, sampling, suite
 from synth.verify.agree import Agreement
 

@@ -6,10 +6,10 @@ from typing import Any
 
 from synth import check as checks
 from synth import show
-from synth.analyse.robustness import Survey
+from synth.analyse.loops.robustness import Survey
 from synth.check import Check
 from synth.simulate import study_table
-from synth.simulate.fault_rows import Campaign
+from synth.simulate.faults.fault_rows import Campaign
 from synth.simulate.study import StudyTable
 from synth.verify.agree import Agreement
 

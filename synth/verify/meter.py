@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
-from synth.companion import Companion
+from synth.declare.companion import Companion
 from synth.emit.write import EmittedCode
 from synth.errors import SignalError
 from synth.execute import cross, elf, host, image, recorder

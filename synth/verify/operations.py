@@ -10,7 +10,7 @@ import numpy as np
 
 from synth.block import Block
 from synth.emit import pipeline
-from synth.emit.lower import Program
+from synth.emit.program.lower import Program
 
 _KINDS = {"sq": "mul", "twice": "mul", "inv": "div", "clamp": "limit", "choose": "choice", "when": "choice"}
 _KINDS |= dict.fromkeys(("lt", "le", "eq", "ne"), "compare") | dict.fromkeys(("and", "or", "not", "bit"), "logic")

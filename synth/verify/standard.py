@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from synth import arguments
-from synth.analyse import robustness, tolerances
+from synth.analyse.loops import robustness, tolerances
 from synth.check import Check
-from synth.declaration import Reference, Stage
+from synth.declare.stage import Reference, Stage
 from synth.errors import DesignError
 from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment

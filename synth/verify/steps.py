@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.errors import SignalError
 from synth.execute import host, recording
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth.declaration import Interface, SetPoint
+from synth.declare.stage import Interface, SetPoint
 from synth.execute import host
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig

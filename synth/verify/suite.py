@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from synth.block import Block
 from synth.check import Check
-from synth.declaration import Reference
+from synth.declare.stage import Reference
 from synth.execute import build, host
 from synth.verify import agree, replays
 from synth.verify.agree import Agreement, Columns, StepResults

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from synth.analyse.disk import DiskMargin
+from synth.analyse.loops.disk import DiskMargin
 from synth.statespace import StateSpace
 from synth.timing import Continuous
 

@@ -9,7 +9,8 @@ import scipy.signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import discretise, precise
+from synth.analyse import discretise
+from synth.analyse.numerics import precise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import beacons, glsdc
-from synth.blocks.glsdc_solution import Iteration
+from synth.blocks.estimate.glsdc_solution import Iteration
 from synth.simulate import stanford
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks import margins as search
 from benchmarks import margins_cases
-from synth.analyse import crossings, stability_margins
-from synth.analyse.stability_margins import Margins
+from synth.analyse.loops import crossings, stability_margins
+from synth.analyse.loops.stability_margins import Margins
 from synth.statespace import StateSpace, readonly
 from synth.timing import Discrete
 

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from synth import fault_jobs, jobs, progress, workspace
-from synth.campaign import SafeOutput, read_safe_output
-from synth.commands import SAFE_OUTPUT
+from synth.app import fault_jobs, workspace
+from synth.app.commands import SAFE_OUTPUT
+from synth.base import jobs, progress
+from synth.declare.fault_campaign import SafeOutput, read_safe_output
 
 pytestmark = pytest.mark.whole
 

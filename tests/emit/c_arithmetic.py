@@ -12,7 +12,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from synth.emit.approx.polynomial import Polynomial
-from synth.emit.lower import Node, Program
+from synth.emit.program.lower import Node, Program
 from synth.emit.proof.ranges import Range
 
 UNARY = ("neg", "fabs", "sq", "twice", "inv", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan")

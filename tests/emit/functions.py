@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 
 from models import pmlsm
-from synth.analyse.precise import precision
+from synth.analyse.numerics.precise import precision
 from synth.emit.approx import certificate, enclosure, surrogate
 from synth.emit.approx.polynomial import Polynomial
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from synth.emit.lower import Node, Program
+from synth.emit.program.lower import Node, Program
 
 
 def exact(a: Any) -> Any:

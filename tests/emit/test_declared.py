@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Exprs, Step, build, clip
-from synth.blocks.safety import GuardedInput, guard
+from synth.blocks.guard.safety import GuardedInput, guard
 from synth.composition import compose
 from synth.emit.proof import safe
 from synth.emit.write import emit

@@ -5,9 +5,10 @@ import ctypes
 import numpy as np
 import pytest
 
-from synth.emit import lane_chains, lanes, numeric
+from synth.emit import lane_chains, lanes
 from synth.emit.lanes import Rows
-from synth.emit.lower import Node, Program
+from synth.emit.program import numeric
+from synth.emit.program.lower import Node, Program
 from synth.execute import compile as host_compiler
 
 C = tuple(f"c{k}" for k in range(4))

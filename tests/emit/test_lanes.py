@@ -15,7 +15,7 @@ from synth.emit.lanes import Rows
 from synth.execute import build
 from synth.execute import compile as host_compiler
 from synth.signals import signal_names
-from synth.simulate import lane_library
+from synth.simulate.lanes import lane_library
 from tests import levitator
 
 pytestmark = pytest.mark.slow

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.emit import pipeline
 from synth.emit.proof import ranges
 from synth.emit.write import EmittedCode, emit

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build, clip
-from synth.emit import lower, pipeline, write
+from synth.emit import pipeline, write
 from synth.emit.passes import fold, limits
 from synth.emit.pipeline import Reduced
+from synth.emit.program import lower
 from synth.emit.proof import ranges
 from synth.errors import EmitError
 from synth.signals import Signal

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build, clip, table
-from synth.emit import lower
+from synth.emit.program import lower
 from synth.emit.proof.interval import Interval, lookup
 from synth.emit.write import EmittedCode, emit
 from synth.errors import EmitError, SignalError
 from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
-from synth.verify import eva
+from synth.verify.proofs import eva
 from tests import tools
 
 pytestmark = pytest.mark.slow

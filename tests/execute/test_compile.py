@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from synth import store
+from synth.base import store
 from synth.errors import CompileError, SynthError
 from synth.execute import compile as host
 from tests import tools

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.analyse.parity import Relation
+from synth.analyse.structure.parity import Relation
 from synth.block import Block
-from synth.blocks import innovation_monitor
-from synth.blocks import landing as landing_block
-from synth.blocks import predictor as predictor_block
-from synth.blocks import probe as probe_block
-from synth.blocks import redundancy as redundancy_block
+from synth.blocks.estimate import predictor as predictor_block
+from synth.blocks.faults import innovation_monitor
+from synth.blocks.faults import landing as landing_block
+from synth.blocks.faults import probe as probe_block
+from synth.blocks.faults import redundancy as redundancy_block
 from synth.composition import compose
 from synth.reference import landing, predictor, probe, redundancy
 from synth.signals import Signal, signal_names

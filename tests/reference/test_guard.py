@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.blocks import safe_output, safety
+from synth.blocks.guard import safe_output, safety
 from synth.composition import compose
 from synth.reference import guard
 from synth.signals import Signal

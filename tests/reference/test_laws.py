@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from synth.block import Block
-from synth.blocks import braking
-from synth.blocks import dead_reckoning as dead_reckoning_block
-from synth.blocks import lead_lag as lead_lag_block
+from synth.blocks.estimate import dead_reckoning as dead_reckoning_block
+from synth.blocks.faults import braking
+from synth.blocks.laws import lead_lag as lead_lag_block
 from synth.composition import compose
 from synth.reference import dead_reckoning, lead_lag
 from synth.signals import Signal, signal_names

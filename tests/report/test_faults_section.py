@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from synth.campaign import FaultCampaign, FaultLimit
+from synth.declare.fault_campaign import FaultCampaign, FaultLimit
 from synth.report import faults, page
-from synth.simulate import fault_rows, fault_table
-from synth.simulate.campaign import FaultRun, HealthyRun
-from synth.simulate.fault_sweeps import Sweep
-from synth.simulate.injections import Injection
+from synth.simulate.faults import fault_rows, fault_table
+from synth.simulate.faults.campaign import FaultRun, HealthyRun
+from synth.simulate.faults.fault_sweeps import Sweep
+from synth.simulate.faults.injections import Injection
 from synth.simulate.rig import Rig
 from synth.verify.evidence import Evidence
 from tests import levitator

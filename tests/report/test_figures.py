@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from matplotlib.figure import Figure
 
-from synth.analyse import stability_margins
+from synth.analyse.loops import stability_margins
 from synth.errors import SignalError
 from synth.report import bode, figures, page, sections
 from synth.report.figures import Curve, Panel

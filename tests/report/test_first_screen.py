@@ -7,7 +7,7 @@ import re
 import pytest
 from rich.console import Console
 
-from synth import tables
+from synth.app import tables
 from synth.check import Check
 from synth.report import first_screen
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from synth.analyse import disk
+from synth.analyse.loops import disk
 from synth.report import multivariable
 from synth.statespace import StateSpace
 from synth.timing import Discrete

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synth.analyse import stability_margins
+from synth.analyse.loops import stability_margins
 from synth.check import Check
 from synth.report import gains_table, page, standard
 from synth.report.presentation import Shown

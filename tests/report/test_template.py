@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from synth import verdicts
-from synth.analyse import robustness
+from synth.analyse.loops import robustness
+from synth.app import verdicts
 from synth.check import Check
 from synth.report import first_screen, page, standard, template
 from synth.report.page import Section

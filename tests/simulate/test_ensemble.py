@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from synth import standard_tasks
+from synth.app import standard_tasks
 from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
 from tests import levitator

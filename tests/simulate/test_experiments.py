@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth import standard_tasks
+from synth.app import standard_tasks
 from synth.errors import SignalError
 from synth.simulate import experiments
 from synth.simulate.conditions import Conditions, Sine

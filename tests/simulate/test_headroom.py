@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth import standard_tasks, tasks
+from synth.app import standard_tasks, tasks
+from synth.base.progress import silent
 from synth.block import Block, clip
-from synth.declaration import Stage
-from synth.progress import silent
+from synth.declare.stage import Stage
 from synth.simulate import headroom
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig

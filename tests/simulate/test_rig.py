@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth import standard_tasks
+from synth.app import standard_tasks
 from synth.block import Step, build
 from synth.errors import WiringError
 from synth.execute.build import compile_block

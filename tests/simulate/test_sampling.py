@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth import standard_tasks
+from synth.app import standard_tasks
 from synth.errors import SignalError
 from synth.simulate import sampling
 from synth.simulate.rig import Rig

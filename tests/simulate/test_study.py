@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from synth import standard_tasks
+from synth.app import standard_tasks
 from synth.check import Check
 from synth.errors import DesignError, SignalError
 from synth.report import study as report

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from synth.block import Exprs, Step, build
-from synth.blocks import safety
-from synth.companion import Companion
+from synth.blocks.guard import safety
 from synth.composition import compose
+from synth.declare.companion import Companion
 from synth.reference import guard
 from synth.signals import Signal
 from synth.timing import Discrete

@@ -12,7 +12,7 @@ from benchmarks import axes
 from synth.block import Block, State, Step, build
 from synth.emit import write
 from synth.emit.approx.polynomial import Polynomial
-from synth.emit.lower import Node, Program
+from synth.emit.program.lower import Node, Program
 from synth.emit.write import EmittedCode
 from synth.errors import CompileError, EmitError, SignalError
 from synth.execute import compile as host_compiler

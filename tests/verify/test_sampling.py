@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from synth import standard_tasks
+from synth.app import standard_tasks
 from synth.verify import sampling, steps, stimuli
 from tests import levitator
 

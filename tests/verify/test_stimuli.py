@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth import standard_tasks
+from synth.app import standard_tasks
 from synth.execute import build, host
 from synth.verify import steps, stimuli
 from tests import levitator

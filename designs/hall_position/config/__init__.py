@@ -18,8 +18,8 @@ from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import PlanarArray as Array
 from synth import stage
 from synth.block import Block
-from synth.blocks import glsdc_estimator
-from synth.declaration import Controller
+from synth.blocks.estimate import glsdc_estimator
+from synth.declare.stage import Controller
 from synth.emit.c import digits
 from synth.signals import signal_names
 from synth.stage import Sensor

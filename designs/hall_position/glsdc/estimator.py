@@ -30,10 +30,10 @@ from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar import Problem
 from models.hall_two_waves import PlanarArray
 from synth.block import Block, Constant, Exprs, Step, build
-from synth.blocks import glsdc_estimator, glsdc_numbers, phasor
-from synth.blocks.glsdc import NamedExpressions
-from synth.blocks.glsdc_solution import Normal
-from synth.blocks.phasor import Phasor
+from synth.blocks.estimate import glsdc_estimator, glsdc_numbers, phasor
+from synth.blocks.estimate.glsdc import NamedExpressions
+from synth.blocks.estimate.glsdc_solution import Normal
+from synth.blocks.estimate.phasor import Phasor
 from synth.signals import Signal
 from synth.timing import Discrete
 

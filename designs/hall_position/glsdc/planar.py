@@ -1,4 +1,4 @@
-"""Two-axis Hall sensors in the plane as a measurement model of the estimator `synth.blocks.glsdc_estimator`.
+"""Two-axis Hall sensors in the plane as a measurement model of the estimator `synth.blocks.estimate.glsdc_estimator`.
 
     residuals   R(yaw) V_k - a B(phase_k),   phase_k = w (X, Y) + R(yaw) arm_k        of sensor k, arms in rad
     unknowns    w X, w Y in rad, the yaw, and the amplitude a where it is estimated; a is 1 otherwise
@@ -22,12 +22,12 @@ from designs.hall_position.glsdc.parameters import Tuning
 from models.hall_array import Pair
 from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.block import Constant, Exprs
-from synth.blocks import glsdc_jacobian, glsdc_linearisation, glsdc_solution
-from synth.blocks.glsdc import NamedExpressions, Solution
-from synth.blocks.glsdc_jacobian import Model
-from synth.blocks.glsdc_linearisation import Prediction
-from synth.blocks.glsdc_model import Measurement, Phase, RotatedMeasurement, Unknown
-from synth.blocks.glsdc_solution import Iteration, Normal
+from synth.blocks.estimate import glsdc_jacobian, glsdc_linearisation, glsdc_solution
+from synth.blocks.estimate.glsdc import NamedExpressions, Solution
+from synth.blocks.estimate.glsdc_jacobian import Model
+from synth.blocks.estimate.glsdc_linearisation import Prediction
+from synth.blocks.estimate.glsdc_model import Measurement, Phase, RotatedMeasurement, Unknown
+from synth.blocks.estimate.glsdc_solution import Iteration, Normal
 from synth.signals import Signal
 
 AXES = ("x", "y")

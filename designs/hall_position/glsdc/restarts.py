@@ -9,7 +9,7 @@ from math import pi
 import casadi as ca
 
 from synth.block import Constant, Exprs, State
-from synth.blocks.glsdc import Vector
+from synth.blocks.estimate.glsdc import Vector
 from synth.signals import Signal
 
 PATIENCE = 5  # samples

@@ -25,9 +25,9 @@ from designs.hall_position.glsdc import channels, restarts
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar import AXES, POSE, Problem
 from synth.block import Constant, Exprs, State
-from synth.blocks.glsdc import Solution
-from synth.blocks.glsdc_solution import Normal
-from synth.blocks.range_numbers import limit
+from synth.blocks.estimate.glsdc import Solution
+from synth.blocks.estimate.glsdc_solution import Normal
+from synth.blocks.guard.range_numbers import limit
 from synth.signals import Signal
 
 MOTION = ("motion_x", "motion_y", "motion_yaw")

@@ -11,7 +11,7 @@ from models import concentrated_field, hall_array
 from models.hall_array import Array
 from models.hall_stage import PER_PITCH, Stage, grid
 from models.hall_two_waves import PlanarArray
-from synth import column_maps
+from synth.base import column_maps
 from synth.statespace import readonly
 
 CORRECTIONS, SCALE = 200, 0.2  # of GLSDC: the remaining step is below any printed digit

@@ -17,7 +17,7 @@ from models.hall_array import Array
 from models.hall_stage import NUMBERS, Stage, grid
 from models.hall_two_waves import PlanarArray
 from synth.analyse.observability.worst_deviation import LargestDeviation
-from synth.cache import cached
+from synth.base.cache import cached
 
 POINTS = 240  # of a map, along a pitch
 FINE = 120  # places along a pitch of a map with more harmonics

@@ -28,7 +28,8 @@ from numpy.typing import NDArray
 from models import hall_array
 from models.concentrated_field import Wave
 from models.hall_array import HallArray
-from synth import column_maps, show
+from synth import show
+from synth.base import column_maps
 from synth.errors import SignalError
 from synth.signals import Parameter
 from synth.statespace import readonly

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from designs.hall_position.paper import fisher
 from models.hall_array import Array
 from models.hall_two_waves import PlanarArray
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.analyse.observability import isolated_zeros
 from synth.errors import ModelError
 from synth.statespace import readonly

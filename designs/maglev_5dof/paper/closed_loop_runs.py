@@ -24,8 +24,8 @@ from designs.maglev_5dof import control
 from designs.maglev_5dof.paper import ideal_loop
 from designs.maglev_5dof.paper.ideal_loop import Motion, Regulator
 from models import maglev_stage
-from synth import cache
-from synth.declaration import Stage
+from synth.base import cache
+from synth.declare.stage import Stage
 from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from designs.maglev_5dof.paper import polynomial
 from designs.maglev_5dof.paper.polynomial import InputPolynomial, inverse
 from models import maglev_stage, pmlsm, slotted_field
-from synth.analyse import magnitude
+from synth.analyse.numerics import magnitude
 from synth.plant import Plant
 from synth.signals import Signal
 

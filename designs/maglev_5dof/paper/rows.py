@@ -10,7 +10,7 @@ from pathlib import Path
 from designs.maglev import platen
 from designs.maglev_5dof.paper import closed_loop_runs, platen_figures
 from designs.maglev_5dof.paper.closed_loop_runs import BY_GROUP, AuditSetup
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.report import audit
 from synth.report.audit import Published, Row, Scope
 

@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth import timing
-from synth.analyse import feedback_loop, loop, stability_margins, time_response, transfer
+from synth.analyse import time_response
+from synth.analyse.loops import feedback_loop, loop, stability_margins, transfer
 from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
 from synth.timing import Continuous

@@ -19,7 +19,8 @@ from scipy.optimize import linear_sum_assignment
 from designs.planar_6dof import lqg
 from designs.planar_6dof.lqg import STATES, WEIGHTS
 from synth import timing
-from synth.analyse import discretise, structure
+from synth.analyse import discretise
+from synth.analyse.structure import structure
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, reduced_compensator, reduced_observer

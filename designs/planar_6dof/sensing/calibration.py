@@ -26,7 +26,7 @@ import casadi as ca
 import flint
 
 from models import halbach
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.block import Constant, clip
 from synth.plant import Plant
 from synth.signals import Signal

@@ -33,9 +33,9 @@ the first such sample determine the suspects, because no state has followed a wr
 CONFIRMATION and within MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is
 complete, and the guard latches in the fifth.
 
-Frozen channel. Where predictions come `from_forces`, `synth.blocks.repeated_codes` watches the converters. The first
-that is frozen is the only suspect, whatever an earlier contradiction has left. The last innovation is added as for a
-refused voltage: what a torque has in it is more than what a frozen channel has added.
+Frozen channel. Where predictions come `from_forces`, `synth.blocks.faults.repeated_codes` watches the converters. The
+first that is frozen is the only suspect, whatever an earlier contradiction has left. The last innovation is added as
+for a refused voltage: what a torque has in it is more than what a frozen channel has added.
 
 Amplitude. The voltages are multiplied by the scale of `calibration`; with a watch it changes between two:
 temperature, height and amplifiers change it slowly; a failed sensor changes m_x or m_y at once. A contradiction that
@@ -62,7 +62,9 @@ from designs.planar_6dof.sensing import calibration, contradictions, pairs
 from designs.planar_6dof.sensing.calibration import SCALE
 from models import planar_stage
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import dead_reckoning, repeated_codes, safety
+from synth.blocks.estimate import dead_reckoning
+from synth.blocks.faults import repeated_codes
+from synth.blocks.guard import safety
 from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal

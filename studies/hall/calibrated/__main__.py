@@ -13,7 +13,7 @@ from designs.hall_position.protected import config
 from studies.hall.calibrated import estimator, stages, survey
 from studies.hall.calibrated.survey import Case
 from studies.hall.protected import faults, trust
-from synth import progress
+from synth.base import progress
 
 UNITS = (("fabricated", 0), *(("built", seed) for seed in survey.SEEDS))
 WIDE = 0.01  # drift of gains, for a second budget

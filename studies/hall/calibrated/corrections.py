@@ -21,8 +21,8 @@ from designs.hall_position.glsdc import channels
 from studies.hall.calibrated import stages
 from studies.hall.calibrated.stages import UnitCalibration
 from synth.block import Block, Constant, Exprs, State, Step, build, clip, table
-from synth.blocks import lookup_table
-from synth.blocks.lookup_table import Grid
+from synth.blocks.laws import lookup_table
+from synth.blocks.laws.lookup_table import Grid
 from synth.errors import ModelError
 from synth.signals import Signal
 from synth.timing import Discrete

@@ -22,10 +22,10 @@ from designs.hall_position.protected import config
 from models.hall_motions import Numbers
 from studies.hall.calibrated import unit as units
 from studies.hall.calibrated.unit import Unit
+from synth.base.cache import cached
 from synth.block import Exprs
-from synth.blocks import lookup_table, residual_map
-from synth.blocks.residual_map import ResidualMap
-from synth.cache import cached
+from synth.blocks.laws import lookup_table, residual_map
+from synth.blocks.laws.residual_map import ResidualMap
 from synth.errors import ModelError
 from synth.signals import Parameter
 from synth.synthesise.identify import calibration

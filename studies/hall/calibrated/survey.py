@@ -23,7 +23,7 @@ from studies.hall.protected import cold_start as cold_starts
 from studies.hall.protected import faults, trust
 from studies.hall.protected.cold_start import ColdStart
 from studies.hall.protected.trust import Outcome, Samples, World
-from synth.cache import cached
+from synth.base.cache import cached
 from synth.check import Check
 from synth.execute import build, host
 from synth.simulate import stanford

@@ -21,9 +21,9 @@ from studies.hall import hall_bench
 from studies.hall.hall_bench import Bench
 from studies.hall.loop import closed_loop
 from studies.hall.loop.closed_loop import PITCH, Source
+from synth.base.cache import cached
 from synth.block import unranged
-from synth.blocks import error_map, lookup_table
-from synth.cache import cached
+from synth.blocks.laws import error_map, lookup_table
 from synth.emit.c import digits
 from synth.execute import build
 from synth.statespace import Array as Numbers

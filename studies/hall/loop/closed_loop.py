@@ -39,9 +39,9 @@ from models import planar_stage
 from models.hall_array import Pair
 from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block, Exprs, State, Step, build, clip
-from synth.blocks import error_map
-from synth.blocks.error_map import ErrorMap
-from synth.declaration import Interface
+from synth.blocks.laws import error_map
+from synth.blocks.laws.error_map import ErrorMap
+from synth.declare.stage import Interface
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.signals import Signal, signal_names

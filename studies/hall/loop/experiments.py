@@ -29,7 +29,7 @@ from models import planar_stage
 from studies.hall.hall_bench import Bench
 from studies.hall.loop import calibration, closed_loop, sources, stage_loop
 from studies.hall.loop.stage_loop import TIME, Loop
-from synth.blocks.error_map import ErrorMap
+from synth.blocks.laws.error_map import ErrorMap
 from synth.check import Check
 from synth.signals import signal_names
 from synth.simulate.experiment import Experiment

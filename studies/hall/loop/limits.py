@@ -21,7 +21,7 @@ from studies.hall.calibrated.survey import Case
 from studies.hall.loop import four_sensors
 from studies.hall.protected import trust
 from studies.hall.protected.trust import Samples
-from synth import progress
+from synth.base import progress
 from synth.block import Block
 from synth.execute import build, host
 

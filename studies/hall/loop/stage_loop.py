@@ -24,9 +24,9 @@ from studies.hall.loop import calibration, closed_loop
 from studies.hall.loop.closed_loop import PoseSource
 from synth import stage
 from synth.block import Block, unranged
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.composition import compose
-from synth.declaration import Interface
+from synth.declare.stage import Interface
 from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import build, host

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from synth.blocks.error_map import ErrorMap
+from synth.blocks.laws.error_map import ErrorMap
 from synth.report import charts, figures, maps, page, standard
 from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line

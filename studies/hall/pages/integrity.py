@@ -13,7 +13,7 @@ from studies.hall.calibrated import estimator, stages, survey
 from studies.hall.calibrated.survey import Case
 from studies.hall.protected import faults, trust
 from studies.hall.protected.trust import Samples
-from synth.progress import Progress
+from synth.base.progress import Progress
 from synth.report import charts, page
 from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line

@@ -24,7 +24,8 @@ from models.hall_stage import Stage
 from models.hall_two_waves import PlanarArray as Sensors
 from studies.hall.loop import closed_loop
 from studies.hall.loop.closed_loop import Source
-from synth.analyse import linearisation, loop, operating_points
+from synth.analyse import linearisation, operating_points
+from synth.analyse.loops import loop
 from synth.block import Block
 from synth.report import page, sections, standard
 from synth.report.figures import SYMBOLS

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from designs.hall_position.protected import config
 from studies.hall.protected import cold_start, faults, trust
 from studies.hall.trust import starts
-from synth import progress
+from synth.base import progress
 
 UNCALIBRATED = (("built", config.USUAL), ("fabricated", config.USUAL))
 ROWS = {

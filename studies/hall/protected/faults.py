@@ -1,8 +1,8 @@
-"""Faults of a sensor: `synth.simulate.channel_faults` of its first voltage, or of both, which fail together."""
+"""Faults of a sensor: `synth.simulate.faults.channel_faults` of its first voltage, or of both, which fail together."""
 
 from synth.errors import ModelError
-from synth.simulate import channel_faults
-from synth.simulate.channel_faults import Fault
+from synth.simulate.faults import channel_faults
+from synth.simulate.faults.channel_faults import Fault
 
 OFFSET, DRIFT, END = 0.3, 0.02, 5.0  # V, V a sample, V
 FAULTS = channel_faults.faults(OFFSET, DRIFT, END, "voltage", "sensor")

@@ -18,7 +18,7 @@ from designs.hall_position.protected import config
 from designs.hall_position.protected.parameters import Tuning
 from models.hall_motions import Numbers
 from studies.hall.protected import trust
-from synth.blocks import glsdc_integrity
+from synth.blocks.estimate import glsdc_integrity
 
 COARSE, FINE, EXACT = 300, 1000, 10_000  # poses of a random layout, of a perturbed one, and of a result
 BEST, PERTURBATIONS, SIZES = 5, 150, (0.01, 0.03, 0.1)  # layouts kept, tries of each, deviations in pitches

@@ -25,11 +25,12 @@ from designs.hall_position.protected import metres
 from models.hall_two_waves import SpatialArray
 from synth import numeric
 from synth.block import Block, Constant, Exprs
-from synth.blocks import glsdc_estimator, glsdc_model, safety, screening
-from synth.blocks.glsdc_integrity import Integrity
-from synth.blocks.glsdc_model import Phase, Unknown
-from synth.blocks.glsdc_search import Search
-from synth.blocks.glsdc_solution import Iteration
+from synth.blocks.estimate import glsdc_estimator, glsdc_model, screening
+from synth.blocks.estimate.glsdc_integrity import Integrity
+from synth.blocks.estimate.glsdc_model import Phase, Unknown
+from synth.blocks.estimate.glsdc_search import Search
+from synth.blocks.estimate.glsdc_solution import Iteration
+from synth.blocks.guard import safety
 from synth.composition import compose
 from synth.errors import ModelError
 from synth.numeric import between

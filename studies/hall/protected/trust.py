@@ -26,8 +26,8 @@ from studies.hall import built_matrix, hall_bench
 from studies.hall.protected import faults
 from synth.errors import ModelError
 from synth.execute import build, host
-from synth.simulate import channel_faults
-from synth.simulate.channel_faults import GroupFailure
+from synth.simulate.faults import channel_faults
+from synth.simulate.faults.channel_faults import GroupFailure
 from synth.statespace import Array
 
 WRONG, WRONG_YAW, SIGMAS = 5e-4, 0.02, 4.0  # m, rad, deviations

@@ -16,7 +16,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth import arguments, column_maps
+from synth import arguments
+from synth.base import column_maps
 from synth.errors import ModelError
 from synth.statespace import Array, readonly
 

@@ -20,7 +20,7 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import ModelError
 from synth.statespace import Array
 

@@ -16,7 +16,7 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse.precise import precision
+from synth.analyse.numerics.precise import precision
 from synth.emit.approx import certificate, enclosure, minimax, polynomial
 from synth.emit.approx.enclosure import Analytic, Enclosure
 from synth.emit.approx.polynomial import Polynomial, Scalars

@@ -15,14 +15,14 @@ from synth.block import Block
 from synth.emit.c import diagnostics, routines
 from synth.emit.c.expressions import constant, literal
 from synth.emit.c.header import init_head, step_head
-from synth.emit.c.kinds import kinds
-from synth.emit.c.layout import Layout
 from synth.emit.c.lines import Line, comment, prose
 from synth.emit.c.sections import with_constants
-from synth.emit.lower import Program
-from synth.emit.operations import LIBM
 from synth.emit.passes.guards import guard_function
 from synth.emit.passes.surrogates import Surrogate
+from synth.emit.program.layout import Layout
+from synth.emit.program.lower import Program
+from synth.emit.program.operations import LIBM
+from synth.emit.proof.kinds import kinds
 
 
 def source(

@@ -18,10 +18,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from synth.block import LATCH_BIT, Block
-from synth.blocks import safety
-from synth.emit.c.layout import Layout
+from synth.blocks.guard import safety
 from synth.emit.c.lines import Line, comment, member, rows
-from synth.emit.lower import Program
+from synth.emit.program.layout import Layout
+from synth.emit.program.lower import Program
 from synth.signals import Signal
 
 WORDS = {

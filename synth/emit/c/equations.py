@@ -17,10 +17,10 @@ from dataclasses import dataclass, field
 from itertools import chain, takewhile
 from textwrap import wrap
 
-from synth.blocks import safety
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LIBM, LOGICAL
+from synth.blocks.guard import safety
 from synth.emit.passes import owners
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LIBM, LOGICAL
 
 LONGEST = 200  # characters of an equation
 LONGEST_OF_VARIABLES = 140  # of one in variables of the law

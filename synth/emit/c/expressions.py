@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synth.emit.c import kinds as carriers
-from synth.emit.c.layout import CTYPES
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LIBM, LOGICAL
+from synth.emit.program.layout import CTYPES
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LIBM, LOGICAL
+from synth.emit.proof import kinds as carriers
 from synth.emit.proof.conditions import bounds_of_squares
 from synth.errors import EmitError
 

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from synth.block import Block, Constant, Fault
-from synth.blocks import bad_samples, guard_failures, missed_calls
-from synth.blocks import safety as guards
+from synth.blocks.guard import bad_samples, guard_failures, missed_calls
+from synth.blocks.guard import safety as guards
 from synth.emit.c import diagnostics, failure_table, routines
-from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.lines import member, prose, rows
-from synth.emit.lower import Program
+from synth.emit.program.layout import Layout, Struct
+from synth.emit.program.lower import Program
 from synth.signals import Signal
 
 WIDTH = 117

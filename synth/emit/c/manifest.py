@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from synth.block import LATCH_BIT, Block, Constant, Fault
-from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.lines import Line
 from synth.emit.passes.surrogates import Surrogate
+from synth.emit.program.layout import Layout, Struct
 from synth.errors import EmitError
 from synth.fault import Judgement
 

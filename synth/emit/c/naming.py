@@ -23,9 +23,9 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from synth.emit.c.locals import LOADS
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LOGICAL
 from synth.emit.passes import owners
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LOGICAL
 
 LONGEST = 28
 _POLYNOMIAL = "_polynomial"

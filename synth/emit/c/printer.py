@@ -13,15 +13,15 @@ from synth.block import Block
 from synth.emit.c import diagnostics, naming
 from synth.emit.c import locals as variables
 from synth.emit.c.expressions import Expressions, Text, admission, mask
-from synth.emit.c.kinds import kinds
 from synth.emit.c.lines import Line, alternative, prose
 from synth.emit.c.locals import LOADS
+from synth.emit.c.routine import Routine
 from synth.emit.c.sections import Headings, Sections
-from synth.emit.lower import Node, Program
 from synth.emit.passes import schedule
 from synth.emit.passes.guards import guard_function
-from synth.emit.passes.routine import Routine
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
+from synth.emit.program.lower import Node, Program
+from synth.emit.proof.kinds import kinds
 
 _WIDTH = 108
 

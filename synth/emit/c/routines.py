@@ -11,13 +11,13 @@ from textwrap import wrap
 import numpy as np
 
 from synth.block import Block, Constant
-from synth.emit.c import printer
+from synth.emit.c import calls, printer
 from synth.emit.c.expressions import Text, literal
-from synth.emit.c.layout import Layout, Member
 from synth.emit.c.lines import Line, comment, member, opening, prose
-from synth.emit.lower import Node, Program
-from synth.emit.passes import calls, words
-from synth.emit.passes.routine import Call, Routine
+from synth.emit.c.routine import Call, Routine
+from synth.emit.program import words
+from synth.emit.program.layout import Layout, Member
+from synth.emit.program.lower import Node, Program
 
 WIDTH = 116
 ROLES = {

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from synth.emit.c.lines import Line, opening, prose
-from synth.emit.lower import Program
 from synth.emit.passes.owners import Owners
 from synth.emit.passes.statements import Branch, Statement
+from synth.emit.program.lower import Program
 
 FEWEST = 3  # statements that open a section where a Block has more of them elsewhere
 MANY_COPIES = 6  # next states that were computed before and are stored together

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from synth.emit.lower import Node, Program
+from synth.emit.program.lower import Node, Program
 
 _ZERO = Node("literal")
 LEAST = 3  # tests; for two the LQG controller takes 1 % more instructions, because its parts are outlined differently

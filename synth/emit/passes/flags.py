@@ -12,9 +12,9 @@ domain, because the condition may protect it.
 
 from collections import Counter
 
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LIBM, LOGICAL
 from synth.emit.passes.fold import Folder
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LIBM, LOGICAL
 
 _PARTIAL = frozenset({"div", "inv", "table", "floor"}) | LIBM - {"fabs"}
 _REVERSED = {"lt": "le", "le": "lt"}

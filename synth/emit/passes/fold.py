@@ -16,8 +16,8 @@ import operator
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LOGICAL
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LOGICAL
 from synth.emit.proof.safe import Guard, node_guards
 
 _ARITHMETIC: dict[str, Callable[[float, float], float]] = {

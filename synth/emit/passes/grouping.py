@@ -11,9 +11,9 @@ from collections.abc import Iterator, Sequence
 from heapq import heapify, heappop, heappush
 from itertools import groupby
 
-from synth.emit.lower import Program
 from synth.emit.passes.owners import Owners
 from synth.emit.passes.statements import Branch, Let, Statement, Store, reads
+from synth.emit.program.lower import Program
 
 IN_FUNCTION = 4  # statements for which a call stands
 _LOADS = ("input", "state")

@@ -13,7 +13,7 @@ later word than the one that it names.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from synth.emit.lower import Node, Program
+from synth.emit.program.lower import Node, Program
 
 
 @dataclass(frozen=True)

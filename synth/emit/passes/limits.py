@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from synth.emit.lower import Program
-from synth.emit.operations import LIBM
 from synth.emit.passes import fold
 from synth.emit.passes.surrogates import Surrogate
+from synth.emit.program.lower import Program
+from synth.emit.program.operations import LIBM
 from synth.emit.proof import ranges
 from synth.emit.proof.graph import SELECTIONS
 

@@ -18,10 +18,11 @@ from math import pi, sqrt
 import numpy as np
 
 from synth.block import Block, Constant
-from synth.emit.c.kinds import kinds
-from synth.emit.lower import Node, Program
-from synth.emit.passes import owners, words
+from synth.emit.passes import owners
+from synth.emit.program import words
+from synth.emit.program.lower import Node, Program
 from synth.emit.proof.conditions import bounds_of_squares
+from synth.emit.proof.kinds import kinds
 
 GEOMETRY = {
     "pi": (pi, "pi"),

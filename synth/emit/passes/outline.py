@@ -11,8 +11,8 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from synth.emit.c.kinds import kinds
-from synth.emit.lower import Node, Program
+from synth.emit.program.lower import Node, Program
+from synth.emit.proof.kinds import kinds
 
 LEAVES = ("input", "state", "constant", "literal", "accepted")
 NOT_OUTLINED = ("table", "guard", "guarded")

@@ -3,9 +3,9 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from synth.blocks import safety
-from synth.emit.lower import Program
+from synth.blocks.guard import safety
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
+from synth.emit.program.lower import Program
 
 _SILENT = ("call", "result", "bit")  # a function says what it does, and a bit of the word is set where it is known
 

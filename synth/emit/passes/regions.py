@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
-from synth.emit.lower import Program
 from synth.emit.passes.statements import Branch
+from synth.emit.program.lower import Program
 
 _COMPOSED = frozenset(("add", "sub", "mul", "div", "sq", "inv", "lt", "le", "eq", "ne", "and", "or", "bit"))
 

@@ -10,11 +10,11 @@ into an `if`. It is sunk only if the store, where the level has one, depends on 
 
 from collections.abc import Sequence
 
-from synth.emit.lower import Node, Program
 from synth.emit.passes.grouping import in_groups
 from synth.emit.passes.owners import Owners
 from synth.emit.passes.regions import Demand, Region, Regions, WrittenRegion
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store, reads
+from synth.emit.program.lower import Node, Program
 
 INLINE = ("literal", "constant", "argument", "parameter")
 

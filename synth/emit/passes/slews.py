@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from synth.emit.lower import Program
+from synth.emit.program.lower import Program
 
 
 def slewed(p: Program) -> Program:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from synth.emit.lower import Program
+from synth.emit.program.lower import Program
 
 
 @dataclass(frozen=True)

@@ -17,15 +17,15 @@ from dataclasses import dataclass, replace
 import flint
 import numpy as np
 
-from synth import cache
-from synth.emit.approx import surrogate, univariate
+from synth.base import cache
+from synth.emit.approx import surrogate
 from synth.emit.approx.polynomial import Polynomial
-from synth.emit.approx.univariate import Analytic, Key
-from synth.emit.c import wording
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LIBM
-from synth.emit.passes import words
-from synth.emit.proof import ranges
+from synth.emit.passes import univariate
+from synth.emit.passes.univariate import Analytic, Key
+from synth.emit.program import words
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LIBM
+from synth.emit.proof import ranges, wording
 from synth.errors import EmitError
 
 MOST_NAMED = 4  # variables of a polynomial that its comment names

@@ -16,8 +16,8 @@ from math import inf
 
 import numpy as np
 
-from synth.emit.lower import Node
-from synth.emit.operations import LOGICAL
+from synth.emit.program.lower import Node
+from synth.emit.program.operations import LOGICAL
 from synth.emit.proof.interval import Array, Interval, hull, intersection
 
 Narrowing = dict[int, Interval]

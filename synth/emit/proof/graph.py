@@ -6,8 +6,8 @@ from functools import reduce
 
 import numpy as np
 
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LOGICAL
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LOGICAL
 from synth.emit.proof import conditions
 
 SELECTIONS = frozenset({"choose", "when"})

@@ -11,7 +11,7 @@ from math import inf, nan, pi
 import flint
 import numpy as np
 
-from synth.analyse.precise import precision
+from synth.analyse.numerics.precise import precision
 from synth.emit.proof.interval import EXACT, Array, Interval, Mask
 
 ULPS = 4

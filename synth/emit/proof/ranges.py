@@ -15,8 +15,8 @@ from math import inf
 import numpy as np
 
 from synth.block import Block
-from synth.emit.c.layout import layout
-from synth.emit.lower import Node, Program
+from synth.emit.program.layout import layout
+from synth.emit.program.lower import Node, Program
 from synth.emit.proof import conditions, libm
 from synth.emit.proof.conditions import Decided, Narrowing
 from synth.emit.proof.graph import LOADS, SELECTIONS, Structure, structure

@@ -13,11 +13,10 @@ from math import inf
 import numpy as np
 
 from synth.block import Block
-from synth.emit.c import wording
-from synth.emit.c.layout import layout
-from synth.emit.lower import Program
-from synth.emit.operations import LOGICAL
-from synth.emit.proof import bisection, obligations
+from synth.emit.program.layout import layout
+from synth.emit.program.lower import Program
+from synth.emit.program.operations import LOGICAL
+from synth.emit.proof import bisection, obligations, wording
 from synth.emit.proof.graph import LOADS, SELECTIONS, Structure, nodes_between, structure
 from synth.emit.proof.interval import Array, Interval, interval
 from synth.emit.proof.ranges import Arithmetic, Range, enclose, narrow_under

@@ -13,8 +13,8 @@ import casadi as ca
 import sympy as sp
 
 from synth.block import Block
-from synth.emit import lower
-from synth.emit.lower import Node
+from synth.emit.program import lower
+from synth.emit.program.lower import Node
 from synth.errors import ModelError
 from synth.plant import Plant, symbols
 from synth.report.equations import glyphs, mathml, mathml_value, symbolic

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from synth.block import Block
-from synth.emit import lower
+from synth.emit.program import lower
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.report.equations import derive, glyphs, mathml_value

@@ -13,8 +13,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 import casadi as ca
 import sympy as sp
 
-from synth.emit.lower import Node
-from synth.emit.operations import BINARY, UNARY
+from synth.emit.program.lower import Node
+from synth.emit.program.operations import BINARY, UNARY
 from synth.errors import DesignError
 from synth.signals import Signal
 

@@ -25,7 +25,7 @@ import flint
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete, Time

@@ -19,7 +19,7 @@ from scipy.optimize import nnls
 from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
-from synth.synthesise.feedback import weights
+from synth.synthesise.riccati import weights
 from synth.synthesise.riccati.equation import decays
 from synth.timing import Continuous
 

@@ -23,11 +23,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
-from synth.analyse import interconnect, structure
+from synth.analyse.loops import interconnect
+from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise.feedback import modes, period_cost, weights
-from synth.synthesise.riccati import doubling, riccati
+from synth.synthesise.feedback import period_cost
+from synth.synthesise.riccati import doubling, modes, riccati, weights
 from synth.timing import Continuous, Time, period
 
 

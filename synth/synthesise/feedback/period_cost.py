@@ -19,7 +19,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 
-from synth.analyse import discretise, loop, precise
+from synth.analyse import discretise
+from synth.analyse.loops import loop
+from synth.analyse.numerics import precise
 from synth.statespace import Array, StateSpace
 from synth.timing import Discrete
 

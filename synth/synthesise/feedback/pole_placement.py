@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
 from synth import arguments, show
-from synth.analyse import precise, staircase, structure
+from synth.analyse.numerics import precise
+from synth.analyse.structure import staircase, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.riccati import exact_eigenvalues

@@ -21,8 +21,9 @@ import casadi as ca
 import numpy as np
 from scipy import stats
 
-from synth import arguments, column_maps, numeric, show
+from synth import arguments, numeric, show
 from synth import law as laws
+from synth.base import column_maps
 from synth.block import Constant, Exprs
 from synth.errors import ModelError, SignalError
 from synth.signals import Parameter, signal_names

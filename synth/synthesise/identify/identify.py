@@ -20,7 +20,8 @@ from itertools import combinations_with_replacement
 import casadi as ca
 import numpy as np
 
-from synth import arguments, column_maps
+from synth import arguments
+from synth.base import column_maps
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Parameter, signal_names

@@ -25,18 +25,19 @@ import casadi as ca
 import numpy as np
 
 from synth import arguments, law, show
-from synth.analyse import box, relative_degree, rounding, zero_dynamics
-from synth.analyse.box import Box
+from synth.analyse.numerics import box, rounding
+from synth.analyse.numerics.box import Box
 from synth.analyse.operating_points import OperatingPoint
-from synth.analyse.relative_degree import RelativeDegree
-from synth.analyse.zero_dynamics import ZeroDynamics
+from synth.analyse.structure import relative_degree, zero_dynamics
+from synth.analyse.structure.relative_degree import RelativeDegree
+from synth.analyse.structure.zero_dynamics import ZeroDynamics
 from synth.check import Check
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import per_second, signal_names
 from synth.statespace import Array, StateSpace
-from synth.synthesise.feedback import weights
 from synth.synthesise.nonlinear import cofactors
+from synth.synthesise.riccati import weights
 from synth.timing import Continuous
 
 SEED = 7  # differs from the seeds of the relative degree

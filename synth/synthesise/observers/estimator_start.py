@@ -15,8 +15,8 @@ import flint
 import numpy as np
 
 from synth import arguments
-from synth.analyse import precise
-from synth.analyse.equilibrate import equilibrated
+from synth.analyse.numerics import precise
+from synth.analyse.numerics.equilibrate import equilibrated
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import common

@@ -24,12 +24,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
-from synth.analyse import precise, structure
+from synth.analyse.numerics import precise
+from synth.analyse.structure import structure
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise.feedback import modes, weights
 from synth.synthesise.observers import noise
-from synth.synthesise.riccati import riccati, solvability
+from synth.synthesise.riccati import modes, riccati, solvability, weights
 from synth.timing import Continuous, Discrete, common, period
 
 

@@ -22,7 +22,7 @@ import scipy.linalg
 import scipy.optimize
 
 from synth import arguments, show
-from synth.analyse import interconnect
+from synth.analyse.loops import interconnect
 from synth.errors import SignalError
 from synth.statespace import Complex, StateSpace
 from synth.synthesise.feedback import lqr

@@ -16,11 +16,11 @@ import scipy.linalg
 from numpy.typing import ArrayLike
 
 from synth import arguments, show
-from synth.analyse import discretise, precise
+from synth.analyse import discretise
+from synth.analyse.numerics import precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise.feedback import weights
-from synth.synthesise.riccati import exact_eigenvalues
+from synth.synthesise.riccati import exact_eigenvalues, weights
 from synth.timing import Continuous, Time
 
 NoiseInput = ArrayLike | Sequence[str] | None

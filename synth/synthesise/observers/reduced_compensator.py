@@ -24,7 +24,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from synth import arguments, show
-from synth.analyse import equilibrate, interconnect, precise, staircase
+from synth.analyse.loops import interconnect
+from synth.analyse.numerics import equilibrate, precise
+from synth.analyse.structure import staircase
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.observers.reduced_observer import ReducedObserver

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from synth import arguments, show
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, readonly
 from synth.synthesise.observers import reduced_partition

@@ -18,7 +18,8 @@ import numpy as np
 import scipy.linalg
 
 from synth import arguments, show
-from synth.analyse import precise, staircase, structure
+from synth.analyse.numerics import precise
+from synth.analyse.structure import staircase, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.riccati.exact_eigenvalues import ball

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise.feedback import weights
+from synth.synthesise.riccati import weights
 from synth.timing import period
 
 Values = ArrayLike | Mapping[str, float]

@@ -19,14 +19,13 @@ import flint
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse import precise
-from synth.analyse.equilibrate import equilibrated
+from synth.analyse.numerics import precise
+from synth.analyse.numerics.equilibrate import equilibrated
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, readonly
-from synth.synthesise.feedback import weights
 from synth.synthesise.regulation import internal_model, minimal_polynomial
 from synth.synthesise.regulation.servo import Servo
-from synth.synthesise.riccati import exact_eigenvalues, exact_lyapunov
+from synth.synthesise.riccati import exact_eigenvalues, exact_lyapunov, weights
 from synth.timing import Continuous
 
 DEADBEAT_DECAY = 40.0  # a T: exp(-40) is below the rounding error of a pole

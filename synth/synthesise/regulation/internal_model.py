@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from synth import arguments, show
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import SignalError
 from synth.statespace import Array, StateSpace, System, readonly
 from synth.statespace import of as model_of

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from synth import arguments
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import SignalError
 from synth.statespace import Array, StateSpace, System, of
 from synth.synthesise.regulation import internal_model

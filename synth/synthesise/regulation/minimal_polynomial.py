@@ -20,7 +20,7 @@ import scipy.sparse.csgraph
 from numpy.typing import ArrayLike
 
 from synth import arguments
-from synth.analyse import staircase
+from synth.analyse.structure import staircase
 from synth.errors import SignalError
 from synth.statespace import Array, Complex
 

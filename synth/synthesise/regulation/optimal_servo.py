@@ -17,9 +17,9 @@ from synth import arguments
 from synth.analyse import discretise
 from synth.statespace import Array, StateSpace, System
 from synth.synthesise.feedback import lqr as linear_quadratic
-from synth.synthesise.feedback import weights
 from synth.synthesise.regulation import internal_model, servo
 from synth.synthesise.regulation.internal_model import Exosystem, InternalModel
+from synth.synthesise.riccati import weights
 from synth.timing import Continuous, common
 
 

@@ -16,8 +16,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse import staircase, structure
-from synth.analyse.equilibrate import equilibrated
+from synth.analyse.numerics.equilibrate import equilibrated
+from synth.analyse.structure import staircase, structure
 from synth.errors import ModelError
 from synth.statespace import StateSpace
 from synth.synthesise.regulation import minimal_polynomial

@@ -24,7 +24,8 @@ import flint
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse import interconnect, precise
+from synth.analyse.loops import interconnect
+from synth.analyse.numerics import precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.regulation import internal_model

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synth.analyse import discretise, twofold
-from synth.analyse.twofold import Twofold
+from synth.analyse import discretise
+from synth.analyse.numerics import twofold
+from synth.analyse.numerics.twofold import Twofold
 from synth.statespace import Array, Complex
 
 MIN_COST = 2.0**-52  # of the largest diagonal entry of balanced X: below it the cost of a state is zero within rounding

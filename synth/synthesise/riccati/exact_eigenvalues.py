@@ -9,7 +9,9 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse import discretise, precise, structure
+from synth.analyse import discretise
+from synth.analyse.numerics import precise
+from synth.analyse.structure import structure
 from synth.statespace import Array, Complex
 from synth.timing import Continuous, Time
 

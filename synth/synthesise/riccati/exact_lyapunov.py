@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import flint
 import numpy as np
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.statespace import Array
 from synth.synthesise.riccati.doubling import Bilinear
 from synth.synthesise.riccati.equation import sizes

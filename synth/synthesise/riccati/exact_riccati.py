@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import flint
 import numpy as np
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import ModelError
 from synth.statespace import Array
 from synth.synthesise.riccati import doubling, exact_eigenvalues, exact_lyapunov

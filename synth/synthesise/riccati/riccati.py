@@ -22,11 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from synth import arguments, show
-from synth.analyse import structure
+from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
-from synth.synthesise.feedback import modes, weights
-from synth.synthesise.riccati import doubling, exact_riccati, newton, solvability
+from synth.synthesise.riccati import doubling, exact_riccati, modes, newton, solvability, weights
 from synth.synthesise.riccati.balance import Balance
 from synth.synthesise.riccati.equation import Equation, Solution, decays
 from synth.timing import Continuous, Time

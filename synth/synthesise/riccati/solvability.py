@@ -21,10 +21,10 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from synth import show
-from synth.analyse import staircase, structure
+from synth.analyse.structure import staircase, structure
 from synth.errors import ModelError
 from synth.statespace import Array, Complex, StateSpace
-from synth.synthesise.feedback import weights
+from synth.synthesise.riccati import weights
 from synth.synthesise.riccati.equation import Equation, decays
 from synth.timing import Continuous, Time
 

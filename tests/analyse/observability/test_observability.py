@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.analyse.observability import information, isolated_zeros, worst_deviation
 from synth.errors import ModelError
 

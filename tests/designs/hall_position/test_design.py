@@ -11,11 +11,13 @@ import pytest
 from designs.hall_position import config, page, stimuli
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.protected import config as protected
-from synth import contents, testing, workspace
+from synth import testing
+from synth.app import workspace
+from synth.app.workspace import Design
+from synth.base import contents
 from synth.check import Check
 from synth.emit import write
-from synth.verify import eva, misra, nonfinite
-from synth.workspace import Design
+from synth.verify.proofs import eva, misra, nonfinite
 from tests import tools
 
 ROOT = Path(__file__).parents[3]

@@ -14,7 +14,7 @@ from designs.hall_position import config, stimuli
 from designs.hall_position.design import DESIGN
 from designs.hall_position.glsdc import channels
 from designs.hall_position.protected import config as protected
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.execute import host

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config, random_steps, stimuli
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.emit.write import EmittedCode
 from synth.execute import host
 from synth.verify import baselines, meter, steps

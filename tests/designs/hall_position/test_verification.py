@@ -14,7 +14,7 @@ from designs.hall_position.random_steps import Subject
 from designs.hall_position.reference_glsdc import Setup
 from designs.hall_position.verification import Comparison, Steps
 from synth.block import Block
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.check import Check
 from synth.emit import write
 from synth.execute import build, host

@@ -3,13 +3,13 @@
 import pytest
 
 from designs.levitator_2dof.design import DESIGN
+from synth.app.workspace import Design
 from synth.testing import (
     test_defects_that_are_planted_are_found,
     test_the_c_compiles_without_a_warning,
     test_the_committed_files_are_regenerated_byte_for_byte,
     test_the_evidence_passes,
 )
-from synth.workspace import Design
 
 __all__ = [
     "test_defects_that_are_planted_are_found",

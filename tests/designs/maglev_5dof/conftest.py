@@ -5,12 +5,12 @@ import pytest
 
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
-from synth import standard_tasks, tasks
+from synth.app import standard_tasks, tasks
+from synth.app.workspace import Design
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.rig import Rig
 from synth.verify.evidence import Evidence
-from synth.workspace import Design
 
 
 @pytest.fixture(scope="session")

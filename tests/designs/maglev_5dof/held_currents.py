@@ -25,7 +25,7 @@ from scipy.optimize import least_squares
 from designs.maglev import motions, platen
 from models import maglev_phases, maglev_stage, windings
 from synth.plant import Plant
-from synth.simulate import machines
+from synth.simulate.faults import machines
 from synth.statespace import Array
 
 STATES = [s.name for s in maglev_stage.STATES]

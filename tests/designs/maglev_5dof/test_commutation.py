@@ -11,12 +11,12 @@ import pytest
 from designs.maglev import commutation, motions, platen, reference_phase
 from designs.maglev_5dof.design import DESIGN, PHASES
 from models import maglev_stage
-from synth import standard_tasks
+from synth.app import standard_tasks
 from synth.block import Block
 from synth.check import Check
 from synth.emit import write
 from synth.execute import build
-from synth.simulate import campaign
+from synth.simulate.faults import campaign
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override

@@ -10,13 +10,13 @@ from designs.maglev import motions, platen
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.experiments import LIMITS
-from synth import tasks
+from synth.app import tasks
 from synth.block import Block, Constant
 from synth.check import Check
 from synth.execute import build, host
 from synth.plant import Plant
-from synth.simulate import machines
 from synth.simulate.experiment import Experiment
+from synth.simulate.faults import machines
 from synth.simulate.rig import Rig
 
 pytestmark = pytest.mark.whole

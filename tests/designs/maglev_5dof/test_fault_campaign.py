@@ -13,12 +13,12 @@ from designs.maglev import fault_campaign, motions, platen
 from designs.maglev.fault_handling import DEGRADED
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
-from synth import standard_tasks
+from synth.app import standard_tasks
+from synth.base.progress import silent
 from synth.execute import host
-from synth.progress import silent
-from synth.simulate import campaign, injections, machines
-from synth.simulate.campaign import FaultRun
-from synth.simulate.injections import Injection
+from synth.simulate.faults import campaign, injections, machines
+from synth.simulate.faults.campaign import FaultRun
+from synth.simulate.faults.injections import Injection
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.simulate.sensors import Override

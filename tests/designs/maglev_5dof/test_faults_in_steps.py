@@ -5,8 +5,8 @@ import pytest
 
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof_precise.design import DESIGN as PRECISE
-from synth import standard_tasks
-from synth.simulate import campaign, machines
+from synth.app import standard_tasks
+from synth.simulate.faults import campaign, machines
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from tests.designs.maglev_5dof.test_fault_campaign import with_defect

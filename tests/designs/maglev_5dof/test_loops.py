@@ -7,7 +7,8 @@ from designs.maglev import platen
 from designs.maglev.motions import WIRES
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
-from synth.analyse import discretise, loop, operating_points, robustness
+from synth.analyse import discretise, operating_points
+from synth.analyse.loops import loop, robustness
 from synth.composition import compose
 from synth.plant import Plant
 from synth.verify import standard

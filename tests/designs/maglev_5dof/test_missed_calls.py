@@ -7,8 +7,8 @@ from designs.maglev import motions, platen
 from designs.maglev.fault_handling import MISSED_CALLS
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
-from synth import standard_tasks
-from synth.simulate import campaign, machines
+from synth.app import standard_tasks
+from synth.simulate.faults import campaign, machines
 from synth.simulate.scenario import Trajectory, sample_times
 from tests.designs.maglev_5dof import full_plant
 from tests.designs.maglev_5dof.held_currents import PERIOD_S, STATES, Machine, Y, course, machine

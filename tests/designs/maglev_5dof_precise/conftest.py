@@ -3,7 +3,7 @@
 import pytest
 
 from designs.maglev_5dof_precise.design import DESIGN
-from synth.workspace import Design
+from synth.app.workspace import Design
 
 
 @pytest.fixture(scope="session")

@@ -6,9 +6,10 @@ import pytest
 from designs.maglev_5dof.design import DESIGN as PAPER
 from designs.maglev_5dof_precise import control, reference
 from designs.maglev_5dof_precise.design import DESIGN
-from synth import tasks
-from synth.analyse import robustness
-from synth.analyse.disk import DiskMargin
+from synth.analyse.loops import robustness
+from synth.analyse.loops.disk import DiskMargin
+from synth.app import tasks
+from synth.app.workspace import Design
 from synth.simulate.experiment import Experiment
 from synth.testing import (
     test_defects_that_are_planted_are_found,
@@ -17,7 +18,6 @@ from synth.testing import (
     test_the_evidence_passes,
 )
 from synth.verify import standard
-from synth.workspace import Design
 
 __all__ = [
     "test_defects_that_are_planted_are_found",

@@ -11,10 +11,10 @@ import pytest
 from designs.maglev import fault_handling
 from designs.maglev_5dof_precise import control
 from designs.maglev_5dof_precise.design import DESIGN, PLANT
-from synth import standard_tasks
-from synth.blocks import probe
-from synth.progress import silent
-from synth.simulate import campaign, injections
+from synth.app import standard_tasks
+from synth.base.progress import silent
+from synth.blocks.faults import probe
+from synth.simulate.faults import campaign, injections
 
 PLANTS, TRAVEL = 17, 10e-3  # m
 

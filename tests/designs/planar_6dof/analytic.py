@@ -20,7 +20,7 @@ from designs.planar_6dof.sensing import calibration
 from designs.planar_6dof.sensing import sections as sensing
 from designs.planar_6dof_leadlag import control as leadlag
 from models import halbach
-from synth.blocks import repeated_codes
+from synth.blocks.faults import repeated_codes
 from synth.plant import Plant
 from synth.timing import Discrete
 

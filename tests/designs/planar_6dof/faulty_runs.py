@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 
 from designs.planar_6dof import loop as loops
-from synth import standard_tasks
+from synth.app import standard_tasks
+from synth.app.workspace import Design
+from synth.base.progress import silent
 from synth.block import Block
-from synth.progress import silent
-from synth.simulate import campaign, injections
-from synth.simulate.campaign import FaultRun
+from synth.simulate.faults import campaign, injections
+from synth.simulate.faults.campaign import FaultRun
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.statespace import Array
-from synth.workspace import Design
 
 SPEEDS = ({"x": 0.115, "y": -0.08}, {"x": -0.099, "y": -0.099})  # m/s, 0.14 together
 FAILS, DURATION = 0.4, 0.9  # s

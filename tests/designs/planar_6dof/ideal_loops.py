@@ -6,7 +6,8 @@ import casadi as ca
 
 from designs.planar_6dof import allocation, filtering, vertical
 from models import planar_stage
-from synth.analyse import linearisation, loop, operating_points, stability_margins
+from synth.analyse import linearisation, operating_points
+from synth.analyse.loops import loop, stability_margins
 from synth.block import Block, Exprs, Step, build, clip
 from synth.composition import compose
 from synth.plant import Plant

@@ -17,8 +17,8 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg_design
 from models import planar_stage
-from synth import standard_tasks
-from synth.blocks import safety
+from synth.app import standard_tasks
+from synth.blocks.guard import safety
 from synth.emit.write import EmittedCode
 from synth.execute import host
 from synth.verify import baselines, meter, on_target, steps, stimuli

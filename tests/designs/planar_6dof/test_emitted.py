@@ -19,7 +19,7 @@ from designs.planar_6dof_lqg import design as lqg_design
 from designs.planar_6dof_lqg import reference as lqg_reference
 from models import planar_stage
 from synth.block import Block
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.execute import host

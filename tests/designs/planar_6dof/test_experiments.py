@@ -17,10 +17,10 @@ from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import halbach, planar_stage
 from synth.block import Block
-from synth.blocks import repeated_codes
+from synth.blocks.faults import repeated_codes
 from synth.fault import BRAKING_BIT, LATCH_BIT
 from synth.simulate.experiment import Experiment
-from synth.simulate.failure import Failure
+from synth.simulate.faults.failure import Failure
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override

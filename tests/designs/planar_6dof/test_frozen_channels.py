@@ -9,7 +9,7 @@ from designs.planar_6dof.sensing import sections as sensing
 from designs.planar_6dof_leadlag.design import subject as leadlag
 from designs.planar_6dof_lqg.design import subject as lqg
 from models.planar_stage import HALL
-from synth.blocks import repeated_codes
+from synth.blocks.faults import repeated_codes
 from synth.execute import host
 from synth.fault import LATCH_BIT
 from synth.statespace import Array

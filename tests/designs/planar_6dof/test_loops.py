@@ -11,8 +11,8 @@ from designs.planar_6dof.sensing import sections as sensing
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import page as own
 from models import planar_stage
-from synth.analyse import disk, stability_margins
-from synth.analyse import loop as analyse
+from synth.analyse.loops import disk, stability_margins
+from synth.analyse.loops import loop as analyse
 from synth.block import Block
 from synth.emit import write
 from synth.errors import SignalError

@@ -8,8 +8,8 @@ import pytest
 from designs.planar_6dof.faults import AFTER_JUMP
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
+from synth.app.workspace import Design
 from synth.block import Block
-from synth.workspace import Design
 from tests.designs.planar_6dof.faulty_runs import OFF_THE_MIDDLE, campaign_runs
 
 FLIPPED = "V_ax", "bit flipped", "permanent"

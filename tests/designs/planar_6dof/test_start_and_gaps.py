@@ -11,7 +11,7 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
 from models import planar_stage
-from synth.simulate import machines
+from synth.simulate.faults import machines
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override

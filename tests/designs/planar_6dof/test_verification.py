@@ -11,7 +11,7 @@ from designs.planar_6dof.random_steps import Subject
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
 from models import planar_stage
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete

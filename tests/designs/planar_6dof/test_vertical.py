@@ -8,7 +8,7 @@ import pytest
 from designs.planar_6dof import allocation, lqg, reference_control, vertical
 from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
-from synth.analyse import loop
+from synth.analyse.loops import loop
 from synth.block import unranged
 from synth.composition import compose
 from synth.emit import write

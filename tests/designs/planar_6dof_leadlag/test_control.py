@@ -6,7 +6,7 @@ import pytest
 from designs.planar_6dof import allocation, interface, random_steps
 from designs.planar_6dof_leadlag import control, reference
 from models import planar_stage
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.emit import write
 from synth.execute import host
 from tests import tolerances

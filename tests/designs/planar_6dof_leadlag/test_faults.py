@@ -13,7 +13,7 @@ from designs.planar_6dof_leadlag import control
 from designs.planar_6dof_leadlag.design import DESIGN, subject
 from models import planar_stage
 from synth.fault import BRAKING_BIT, LATCH_BIT
-from synth.simulate import machines
+from synth.simulate.faults import machines
 from synth.simulate.rig import Rig
 from tests.designs.planar_6dof.faulty_runs import (
     FAILS,

@@ -8,7 +8,7 @@ import pytest
 from designs.planar_6dof import allocation, lqg, random_steps
 from designs.planar_6dof_lqg import reference
 from designs.planar_6dof_lqg.core import REGULATORS, Order
-from synth.analyse import loop
+from synth.analyse.loops import loop
 from synth.block import Block
 from synth.errors import ModelError
 from synth.execute import host

@@ -7,7 +7,7 @@ from designs.planar_6dof import lqg
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof_lqg import core
 from designs.planar_6dof_lqg.core import Order
-from synth.analyse import loop
+from synth.analyse.loops import loop
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host

@@ -12,9 +12,9 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof.sensing import sections
 from designs.planar_6dof_lqg.design import DESIGN, subject
 from models import planar_stage
+from synth.base.progress import silent
 from synth.errors import SignalError
-from synth.progress import silent
-from synth.simulate import campaign, machines
+from synth.simulate.faults import campaign, machines
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override

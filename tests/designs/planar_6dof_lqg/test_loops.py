@@ -9,7 +9,7 @@ from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof.lqg import TIME
 from designs.planar_6dof_lqg import loops
 from models import planar_stage
-from synth.analyse import disk
+from synth.analyse.loops import disk
 from synth.errors import ModelError
 from synth.report import multivariable
 from tests.designs.planar_6dof import analytic

@@ -7,7 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from synth.analyse.precise import precision
+from synth.analyse.numerics.precise import precision
 from synth.emit.approx import certificate, enclosure, minimax, polynomial, surrogate
 from synth.errors import EmitError
 from tests.emit.functions import NARROW, PHASE, certify, enclose_function, fit_function, on_balls

@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build
-from synth.emit import lower, operations
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.c import c_text, routines
 from synth.emit.c.expressions import Text, literal
-from synth.emit.c.layout import layout
 from synth.emit.passes import fold
 from synth.emit.passes.surrogates import Surrogate
+from synth.emit.program import lower, operations
+from synth.emit.program.layout import layout
 from synth.emit.write import EmittedCode, emit
 from synth.errors import CompileError, EmitError
 from synth.execute import compile as compiler

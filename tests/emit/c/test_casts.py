@@ -13,7 +13,7 @@ from synth.emit.c.expressions import Text
 from synth.emit.passes import regions
 from synth.emit.write import emit
 from synth.signals import Signal
-from synth.verify import misra
+from synth.verify.proofs import misra
 from tests import tools
 from tests.emit import one_step
 from tests.emit.dyadic import TIME

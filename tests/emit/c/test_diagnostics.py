@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Step, build
-from synth.blocks import safe_output
-from synth.blocks.safety import GuardedInput, Safety, guard
+from synth.blocks.guard import safe_output
+from synth.blocks.guard.safety import GuardedInput, Safety, guard
 from synth.composition import compose
 from synth.emit.c import diagnostics
 from synth.emit.c import locals as variables

@@ -11,12 +11,13 @@ from designs.maglev_5dof.design import DESIGN as MAGLEV
 from designs.maglev_5dof_precise.design import DESIGN as PRECISE
 from designs.planar_6dof_leadlag.design import DESIGN as LEADLAG
 from designs.planar_6dof_lqg.design import DESIGN as LQG
+from synth.app.workspace import Design
 from synth.block import Block
-from synth.emit import numeric, pipeline
+from synth.emit import pipeline
 from synth.emit.c import equations
-from synth.emit.lower import Program
 from synth.emit.passes import owners
-from synth.workspace import Design
+from synth.emit.program import numeric
+from synth.emit.program.lower import Program
 
 DESIGNS = {
     "maglev_5dof": MAGLEV,

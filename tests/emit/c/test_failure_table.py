@@ -7,8 +7,8 @@ import pytest
 
 from designs.maglev import fault_handling, platen
 from designs.maglev_5dof.design import DESIGN, PLANT
-from synth import actuation
-from synth.blocks import redundancy
+from synth.blocks.faults import redundancy
+from synth.declare import actuation
 from synth.emit.c import failure_table
 from synth.errors import SignalError
 from synth.failure import with_reactions

@@ -15,8 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from synth.block import Block, Step, build
-from synth.blocks import safe_output
-from synth.blocks.safety import LATCH_BIT, NO_SAFE_OUTPUT, GuardedInput, Safety, frozen, guard
+from synth.blocks.guard import safe_output
+from synth.blocks.guard.safety import LATCH_BIT, NO_SAFE_OUTPUT, GuardedInput, Safety, frozen, guard
 from synth.composition import compose
 from synth.emit.c.manifest import dumps
 from synth.emit.write import EmittedCode, emit

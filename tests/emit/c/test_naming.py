@@ -3,7 +3,7 @@
 import pytest
 
 from synth.emit.c.naming import Naming
-from synth.emit.lower import Node, Program
+from synth.emit.program.lower import Node, Program
 
 COUNT = (Node("state", name="count"), Node("literal", value=3.0), Node("literal"), Node("literal", value=0.5))
 

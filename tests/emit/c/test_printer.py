@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build
-from synth.emit import lower, pipeline
-from synth.emit.c import expressions, layout, routines
-from synth.emit.c import kinds as carriers
+from synth.emit import pipeline
+from synth.emit.c import expressions, routines
 from synth.emit.c import locals as variables
-from synth.emit.lower import Node, Program
 from synth.emit.passes import fold, regions, schedule
+from synth.emit.program import layout, lower
+from synth.emit.program.lower import Node, Program
+from synth.emit.proof import kinds as carriers
 from synth.emit.write import emit
 from synth.execute import compile as compiler
 from synth.execute import host

@@ -1,9 +1,9 @@
 """Products of named constants are computed once; constants that are read elsewhere remain."""
 
 from synth.block import Constant, Step, build
-from synth.emit import lower
-from synth.emit.lower import Node, Program
 from synth.emit.passes import fold
+from synth.emit.program import lower
+from synth.emit.program.lower import Node, Program
 from synth.signals import Signal
 from synth.timing import Discrete
 from tests.emit.passes.trees import LEAVES, A, B, K, L, fold_nodes, tree

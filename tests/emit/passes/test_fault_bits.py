@@ -6,8 +6,8 @@ from itertools import product
 import pytest
 
 from synth.block import ComputedSignal
-from synth.emit.lower import Node, Program
 from synth.emit.passes import fault_bits
+from synth.emit.program.lower import Node, Program
 from synth.signals import Signal
 from tests.emit.passes.trees import tree
 from tests.emit.semantics import interpret

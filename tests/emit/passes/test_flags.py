@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LOGICAL
 from synth.emit.passes import flags, fold
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LOGICAL
 from tests.emit.passes.trees import tree
 from tests.emit.semantics import interpret
 

@@ -17,10 +17,10 @@ import numpy as np
 import pytest
 
 from synth.block import Step, build
-from synth.emit import lower
-from synth.emit.lower import Node, Program
-from synth.emit.operations import LOGICAL
 from synth.emit.passes import fold
+from synth.emit.program import lower
+from synth.emit.program.lower import Node, Program
+from synth.emit.program.operations import LOGICAL
 from synth.signals import Signal
 from synth.timing import Discrete
 from tests.emit.passes.trees import LEAVES, A, B, C, K, L, fold_nodes, tree

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from synth.block import Block, State, Step, build
-from synth.blocks import safe_output
-from synth.blocks.safety import GuardedInput, Safety, guard
+from synth.blocks.guard import safe_output
+from synth.blocks.guard.safety import GuardedInput, Safety, guard
 from synth.composition import compose
 from synth.emit.write import emit
 from synth.execute import compile as compiler

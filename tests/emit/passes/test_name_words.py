@@ -2,7 +2,7 @@
 
 import pytest
 
-from synth.emit.passes import words
+from synth.emit.program import words
 
 
 @pytest.mark.parametrize(

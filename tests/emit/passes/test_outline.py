@@ -10,7 +10,8 @@ import pytest
 from synth.block import Block, Constant, State, Step, build
 from synth.composition import compose
 from synth.emit import pipeline
-from synth.emit.passes import calls, outline, routine
+from synth.emit.c import calls, routine
+from synth.emit.passes import outline
 from synth.emit.passes.outline import Form, Part
 from synth.emit.write import emit
 from synth.execute import host

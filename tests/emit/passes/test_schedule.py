@@ -16,13 +16,14 @@ import pytest
 
 from synth.block import Block, State, Step, build
 from synth.composition import compose
-from synth.emit import lower, pipeline
-from synth.emit.lower import Program
+from synth.emit import pipeline
 from synth.emit.passes import fold, schedule
 from synth.emit.passes.owners import Owners
 from synth.emit.passes.regions import Regions
 from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
 from synth.emit.pipeline import Reduced
+from synth.emit.program import lower
+from synth.emit.program.lower import Program
 from tests.emit import dyadic, hazards
 from tests.emit.dyadic import TIME, signal
 from tests.emit.semantics import interpret, value

@@ -14,10 +14,9 @@ import pytest
 
 from synth.block import Block, Constant, Step, build
 from synth.composition import compose
-from synth.emit import lower
-from synth.emit.approx import univariate
-from synth.emit.passes import fold, surrogates
+from synth.emit.passes import fold, surrogates, univariate
 from synth.emit.passes.surrogates import Surrogate
+from synth.emit.program import lower
 from synth.emit.proof import ranges
 from synth.emit.write import EmittedCode, emit
 from synth.execute import host

@@ -1,7 +1,7 @@
 """Programs of a few nodes, folded, and the text of the result."""
 
-from synth.emit.lower import Node, Program
 from synth.emit.passes import fold
+from synth.emit.program.lower import Node, Program
 
 LEAVES = [Node("input", name=n) for n in "abc"] + [Node("constant", name="k"), Node("constant", name="l")]
 

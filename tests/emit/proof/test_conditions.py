@@ -5,7 +5,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from synth.emit.lower import Node, Program
+from synth.emit.program.lower import Node, Program
 from synth.emit.proof import conditions
 from synth.emit.proof.interval import Interval, interval
 from synth.emit.proof.libm import transfer

@@ -7,7 +7,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from synth.emit.lower import Node, Program
+from synth.emit.program.lower import Node, Program
 from synth.emit.proof import interval, libm
 from synth.emit.proof.interval import EXACT, Interval
 from tests.emit.c_arithmetic import compute

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.block import Block, Constant, Fault, State, Step, build, clip
-from synth.blocks import safety
-from synth.emit import lower
-from synth.emit.lower import Node, Program
+from synth.blocks.guard import safety
 from synth.emit.passes import limits
+from synth.emit.program import lower
+from synth.emit.program.lower import Node, Program
 from synth.emit.proof import ranges
 from synth.emit.proof.ranges import Arithmetic, Range
 from synth.errors import EmitError

@@ -13,7 +13,8 @@ from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.block import Block, Constant, Fault, State, Step, build, clip
 from synth.composition import compose
-from synth.emit import lower, write
+from synth.emit import write
+from synth.emit.program import lower
 from synth.emit.proof import bisection, ranges, safe
 from synth.emit.proof.ranges import Range
 from synth.errors import EmitError

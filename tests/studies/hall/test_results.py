@@ -15,7 +15,7 @@ from studies.hall.costs import Row
 from studies.hall.loop import experiments, four_experiments
 from studies.hall.pages import integrity
 from studies.hall.trust import endurance
-from synth import progress
+from synth.base import progress
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory

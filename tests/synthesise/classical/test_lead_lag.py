@@ -10,7 +10,7 @@ import scipy.signal
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import feedback_loop, loop, stability_margins
+from synth.analyse.loops import feedback_loop, loop, stability_margins
 from synth.errors import SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from synth.analyse import discretise, loop
+from synth.analyse import discretise
+from synth.analyse.loops import loop
 from synth.errors import TimingError
 from synth.statespace import StateSpace, of
 from synth.synthesise.feedback import lqr

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.blocks import glsdc_model
+from synth.blocks.estimate import glsdc_model
 from synth.errors import ModelError, SignalError
 from synth.signals import Parameter
 from synth.synthesise.identify import calibration

@@ -10,7 +10,9 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from models import maglev_stage
-from synth.analyse import box, operating_points, rounding, singularity
+from synth.analyse import operating_points
+from synth.analyse.numerics import box, rounding
+from synth.analyse.structure import singularity
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant, Symbols
 from synth.synthesise.nonlinear import feedback_linearisation

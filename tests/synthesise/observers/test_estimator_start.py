@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, unranged
-from synth.blocks import linear_block
+from synth.blocks.laws import linear_block
 from synth.emit import write
 from synth.errors import ModelError, SignalError, TimingError
 from synth.execute import host

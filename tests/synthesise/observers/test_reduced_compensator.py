@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linear_sum_assignment
 
-from synth.analyse import discretise, interconnect
+from synth.analyse import discretise
+from synth.analyse.loops import interconnect
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr

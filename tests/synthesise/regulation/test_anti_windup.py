@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
 from synth.synthesise.regulation import anti_windup, internal_model, optimal_servo, servo

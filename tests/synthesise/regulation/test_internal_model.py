@@ -10,9 +10,10 @@ import pytest
 import scipy.integrate
 import scipy.linalg
 
-from synth.analyse import precise, structure
+from synth.analyse.numerics import precise
+from synth.analyse.structure import structure
 from synth.block import Block
-from synth.blocks import linear_block
+from synth.blocks.laws import linear_block
 from synth.emit import write
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import Signal, dimension

@@ -6,7 +6,7 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import SignalError
 from synth.synthesise.regulation import internal_model, minimal_polynomial
 from tests import tolerances

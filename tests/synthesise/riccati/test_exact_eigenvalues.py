@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.statespace import Complex
 from synth.synthesise.riccati import exact_eigenvalues
 from synth.timing import Continuous, Discrete

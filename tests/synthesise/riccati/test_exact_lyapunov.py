@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.synthesise.riccati import exact_lyapunov
 from synth.synthesise.riccati.doubling import Bilinear
 from tests import tolerances

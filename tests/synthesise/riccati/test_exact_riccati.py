@@ -14,7 +14,7 @@ import slycot
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.errors import ModelError
 from synth.synthesise.riccati import exact_riccati, riccati
 from synth.synthesise.riccati.equation import Equation

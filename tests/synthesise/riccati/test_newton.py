@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import precise
+from synth.analyse.numerics import precise
 from synth.synthesise.riccati import doubling, exact_riccati, newton
 from synth.synthesise.riccati.equation import Equation, Solution
 from tests import tolerances

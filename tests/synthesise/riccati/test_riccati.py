@@ -11,11 +11,11 @@ import slycot
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import discretise, structure
+from synth.analyse import discretise
+from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
-from synth.synthesise.feedback import modes
-from synth.synthesise.riccati import doubling, equation, exact_riccati, riccati, solvability
+from synth.synthesise.riccati import doubling, equation, exact_riccati, modes, riccati, solvability
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
 

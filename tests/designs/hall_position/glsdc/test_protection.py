@@ -12,10 +12,10 @@ from designs.hall_position.paper import layouts
 from models import hall_motions as motions
 from models.hall_stage import Stage
 from synth.block import Block
-from synth.blocks import glsdc_estimator
-from synth.blocks.glsdc_integrity import Integrity
-from synth.blocks.glsdc_model import Unknown
-from synth.blocks.glsdc_solution import Iteration
+from synth.blocks.estimate import glsdc_estimator
+from synth.blocks.estimate.glsdc_integrity import Integrity
+from synth.blocks.estimate.glsdc_model import Unknown
+from synth.blocks.estimate.glsdc_solution import Iteration
 from synth.emit import write
 from synth.execute import host
 from synth.signals import Signal

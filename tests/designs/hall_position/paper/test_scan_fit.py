@@ -10,7 +10,7 @@ from models import concentrated_field as cf
 from models.hall_array import HallArray, Sensor
 from models.hall_chain import Chain
 from synth.errors import ModelError, SignalError
-from synth.synthesise import log_file
+from synth.synthesise.identify import log_file
 from synth.synthesise.identify.logs import Log
 
 l = 50.8e-3

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from designs.planar_6dof.paper import axis_loop
 from designs.planar_6dof.paper.records import of_record
 from models import lorentz_motor, planar_stage
-from synth.analyse import loop
+from synth.analyse.loops import loop
 from synth.plant import Plant
 from synth.report.audit import Row
 from tests.designs.planar_6dof.paper import recomputed

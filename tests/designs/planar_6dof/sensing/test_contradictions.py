@@ -15,7 +15,7 @@ from designs.planar_6dof.sensing import contradictions
 from designs.planar_6dof.sensing import maps as sensing_maps
 from designs.planar_6dof.sensing import sections as sensing
 from synth.block import Block, unranged
-from synth.blocks import safety
+from synth.blocks.guard import safety
 from synth.composition import compose
 from synth.emit import write
 from synth.execute import host

@@ -9,7 +9,7 @@ from scipy import interpolate
 from studies.hall import hall_bench
 from studies.hall.hall_bench import Bench
 from studies.hall.loop import calibration, closed_loop
-from synth.blocks.error_map import ErrorMap
+from synth.blocks.laws.error_map import ErrorMap
 from synth.timing import Discrete
 
 pytestmark = pytest.mark.whole

@@ -17,7 +17,7 @@ from models.hall_stage import Stage
 from studies.hall.loop import closed_loop, experiments, sources, stage_loop
 from studies.hall.loop.stage_loop import Loop
 from studies.hall.pages import loops as page_loops
-from synth.analyse.loop import sampled
+from synth.analyse.loops.loop import sampled
 from synth.execute import host
 from synth.fault import BRAKING_BIT
 from synth.signals import signal_names

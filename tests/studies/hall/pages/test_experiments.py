@@ -17,7 +17,7 @@ from studies.hall.loop import closed_loop
 from studies.hall.loop.closed_loop import Source
 from studies.hall.pages import experiments
 from studies.hall.pages import loops as own_loops
-from synth.blocks import error_map, lookup_table
+from synth.blocks.laws import error_map, lookup_table
 from synth.report.page import Figure
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory

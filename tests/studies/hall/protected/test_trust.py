@@ -13,7 +13,7 @@ from studies.hall.protected import cold_start, faults, trust
 from studies.hall.protected.trust import Outcome
 from synth.errors import ModelError
 from synth.execute import host
-from synth.simulate import channel_faults
+from synth.simulate.faults import channel_faults
 
 pytestmark = pytest.mark.whole
 

@@ -1,0 +1,191 @@
+"""Disk margins (MATLAB `diskmargin`): simultaneous and independent gain and phase variations of all channels of a loop.
+
+         r --->(+)---> [ f ] ---> [ L ] ---+---> y          f = diag(f_1 .. f_p),  1 + L f = 0 is the closed loop
+               -^                          |
+                +--------------------------+
+
+    f_i = (1 + (1 - sigma)/2 delta_i) / (1 - (1 + sigma)/2 delta_i),        |delta_i| < alpha, complex
+
+The loop stays stable for all such f exactly when alpha <= 1 / mu(S + (sigma - 1)/2 I) at all frequencies, where
+S = 1/(1 + L) and mu is the structured singular value for diag(delta) (Seiler, Packard, Gahinet 2020). The minimum over
+w is the disk margin. The skew sigma is 0 for gains that rise and fall by the same factor, 1 for a margin of S, and -1
+for a margin of T = L/(1 + L). f covers all gains between two factors and all phases up to an angle.
+
+`of_loop` varies all channels at once (multiloop), `loop_at_a_time` varies one (loop-at-a-time).
+`feedback_loop.close` gives the loop of a plant and a controller, opened at the inputs, the outputs or both. A sampled
+loop is evaluated exactly, on z = exp(i w T).
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from synth import arguments, show
+from synth.analyse.loops import structured_peak, transfer
+from synth.analyse.numerics import equilibrate
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
+from synth.timing import Time
+
+
+@show.result
+class DiskMargin:
+    """The disk margin of a loop with p channels: it lies between `lower` and `upper`.
+
+    No f with |delta_i| < `lower` destabilises the loop. If `certified`, this is proved for all frequencies, otherwise
+    only at the points of the grid. `delta` (p,), of modulus `upper`, puts a closed-loop pole at `frequency` rad/s.
+    `curve` (k,) is the margin at each of `frequencies` (k,), which include 0 and infinity or Nyquist: a lower bound,
+    tight to about 1 % away from its least values.
+    """
+
+    channels: tuple[str, ...]
+    skew: float
+    time: Time
+    lower: float
+    upper: float
+    certified: bool
+    frequency: float
+    delta: Complex
+    frequencies: Array
+    curve: Array
+
+    def __post_init__(self) -> None:
+        delta = np.array(self.delta, dtype=np.complex128)
+        delta.flags.writeable = False
+        object.__setattr__(self, "delta", delta)
+        object.__setattr__(self, "frequencies", readonly(self.frequencies))
+        object.__setattr__(self, "curve", readonly(self.curve))
+
+    @property
+    def alpha(self) -> float:
+        """The guaranteed disk margin: `lower`."""
+        return self.lower
+
+    @property
+    def gain_low(self) -> float:
+        """The factor to which all gains may decrease at once; below 0, no positive gain is too low."""
+        a, b = _skew_factors(self.skew)
+        if b * self.alpha <= -1 or (np.isinf(self.alpha) and b <= 0):
+            return -np.inf
+        return (1 - a * self.alpha) / (1 + b * self.alpha) if np.isfinite(self.alpha) else -a / b
+
+    @property
+    def gain_high(self) -> float:
+        """The factor to which all gains may increase at once; inf if no gain is too high."""
+        a, b = _skew_factors(self.skew)
+        if np.isinf(self.alpha) or b * self.alpha >= 1:
+            return np.inf
+        return (1 + a * self.alpha) / (1 - b * self.alpha)
+
+    @property
+    def phase(self) -> float:
+        """The angle in degrees by which all phases may change at once, inf if any change is tolerated."""
+        a, b = _skew_factors(self.skew)
+        if np.isinf(self.alpha) or self.alpha * abs(self.skew) > 2:
+            return np.inf if self.skew else 180.0
+        square = self.alpha**2
+        cosine = (2 - square * (a * a + b * b)) / (2 * (1 + a * b * square))
+        return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+    @property
+    def worst(self) -> Mapping[str, complex]:
+        """`delta` by channel name."""
+        return dict(zip(self.channels, self.delta.tolist(), strict=True))
+
+    @property
+    def factors(self) -> Complex:
+        """f (p,) for `delta`: the channel factors that make the loop oscillate at `frequency`."""
+        a, b = _skew_factors(self.skew)
+        with np.errstate(all="ignore"):
+            f = (1 + a * self.delta) / (1 - b * self.delta)
+        return np.where(np.isfinite(f), f, np.inf)
+
+    def sheet(self) -> show.Sheet:
+        """Return the margin, its gains and phase, and the worst factor of each channel."""
+        n = show.number
+        proof = "proved for all frequencies" if self.certified else "that of a grid, not proved between its points"
+        lines = (
+            f"{n(self.lower)} <= alpha <= {n(self.upper)}, skew {n(self.skew)}; the lower bound is {proof}",
+            f"all gains may change at once by factors from {n(self.gain_low)} to {n(self.gain_high)}, or all phases "
+            f"by {n(self.phase)} deg",
+            f"the factors f below put a closed-loop pole at {n(self.frequency)} rad/s"
+            if np.isfinite(self.upper)
+            else "no factors make the loop unstable",
+        )
+        rows = tuple(
+            (name, n(delta), n(abs(f)), n(float(np.degrees(np.angle(f)))))
+            for (name, delta), f in zip(self.worst.items(), self.factors.tolist(), strict=True)
+        )
+        table = show.Table(("channel", "delta", "|f|", "arg f [deg]"), rows)
+        count = f"{len(self.channels)} channel{'s' * (len(self.channels) > 1)}"
+        return show.Sheet(f"Disk margin of {count} in {self.time}: {n(self.alpha)}", lines, (table,))
+
+
+@arguments.checked
+def of_loop(loop: System, skew: float = 0.0, certify: bool = True) -> DiskMargin:
+    """Return the multiloop disk margin of L (p, p): all channels vary at once. Channels have the names of L's inputs.
+
+    Without `certify`, the margin is that of a grid refined around its peak, with no claim between the grid points.
+
+    Raises SignalError when L is not square or the skew is not finite; ModelError when 1 + L has no inverse or the
+    closed loop is not stable.
+    """
+    model = of(loop)
+    return _margin(_shifted_sensitivity(model, skew), model.inputs, skew, certify)
+
+
+@arguments.checked
+def loop_at_a_time(loop: System, skew: float = 0.0) -> Mapping[str, DiskMargin]:
+    """Return the loop-at-a-time disk margins: that of each channel, with the others nominal, by name of L's input.
+
+    Raises as `of_loop`.
+    """
+    model = of(loop)
+    closed = _shifted_sensitivity(model, skew)
+    return {
+        name: _margin(closed.select((output,), (name,)), (name,), skew, certify=True)
+        for name, output in zip(closed.inputs, closed.outputs, strict=True)
+    }
+
+
+def _skew_factors(skew: float) -> tuple[float, float]:
+    return (1 - skew) / 2, (1 + skew) / 2
+
+
+def _shifted_sensitivity(loop: StateSpace, skew: float) -> StateSpace:
+    """Return S + (sigma - 1)/2 I of a square loop with a stable closed loop."""
+    p = len(loop.inputs)
+    if not p or p != len(loop.outputs):
+        raise SignalError(
+            f"the loop has {p} inputs ({', '.join(loop.inputs)}) and {len(loop.outputs)} outputs "
+            f"({', '.join(loop.outputs)}): give it as many outputs as inputs, at least one"
+        )
+    if not np.isfinite(skew):
+        raise SignalError(f"the skew is {skew}: it must be finite; 0 is the balanced one")
+    feedthrough = np.eye(p) + loop.D
+    if equilibrate.is_singular(feedthrough):
+        raise ModelError("1 + L has no inverse at infinite frequency, I + D is singular: put a delay into the loop")
+    R = np.linalg.inv(feedthrough)
+    A = loop.A - loop.B @ R @ loop.C
+    _require_decay(A, loop.time)
+    return replace(loop, A=A, B=loop.B @ R, C=-R @ loop.C, D=R - _skew_factors(skew)[0] * np.eye(p))
+
+
+def _require_decay(A: Array, time: Time) -> None:
+    poles = np.linalg.eigvals(A).astype(np.complex128)
+    lasting = transfer.not_decaying(poles, time)
+    if lasting.any():
+        listed = ", ".join(show.number(s) for s in poles[lasting & (poles.imag >= 0)].tolist())
+        raise ModelError(
+            f"the closed loop does not decay: it has poles at {listed}, and so no margin; stabilise the loop first "
+            "(the feedback is negative, 1 + L: change the sign if L contains it)"
+        )
+
+
+def _margin(closed: StateSpace, channels: tuple[str, ...], skew: float, certify: bool) -> DiskMargin:
+    peak = structured_peak.over_frequency(closed, certify)
+    with np.errstate(divide="ignore"):
+        lower, upper, curve = 1 / np.float64(peak.level), 1 / np.float64(peak.lower), 1 / peak.bounds
+    bounds = float(lower), float(upper), peak.certified
+    return DiskMargin(channels, float(skew), closed.time, *bounds, peak.frequency, peak.delta, peak.frequencies, curve)

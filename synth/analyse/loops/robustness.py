@@ -1,0 +1,289 @@
+"""Stability margins at each actuator and sensor, over operating points and parameter tolerances.
+
+           *--->[ delay, hold, plant, sampler ]---*         For each operating point and each set of parameters: find
+           ^                                      v         the equilibrium of the loop, linearise it, and open it at
+           +----[ controller as generated ]<------+         one * at a time, the others closed: L, with 1 + L closed.
+
+The constants of the controller are rounded to its scalar type. Only the parameters of the plant vary; the controller
+keeps its nominal model. MATLAB: `getLoopTransfer` over `ureal` vertices, `allmargin`.
+"""
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from synth import arguments
+from synth.analyse import operating_points
+from synth.analyse.loops import disk, equilibrium, stability_margins
+from synth.analyse.loops.equilibrium import Equilibrium
+from synth.analyse.loops.equilibrium_equations import SampledLoop, Wires
+from synth.analyse.loops.stability_margins import Margins
+from synth.analyse.loops.tolerances import Case
+from synth.check import Check
+from synth.declare.stage import Controller, Interface
+from synth.errors import ModelError, NoEquilibriumError, SignalError
+from synth.plant import Plant
+from synth.signals import signal_names
+from synth.statespace import StateSpace
+
+NOMINAL: Case = {}
+
+Groups = Mapping[str, Sequence[str]]  # signals that vary at once, by name of the group
+
+
+@dataclass(frozen=True)
+class _Requirement:
+    """A margin: its unit, its value for an unstable loop, and the function that reads it."""
+
+    unit: str
+    if_unstable: float
+    of: Callable[[Margins], float]
+
+
+REQUIREMENTS: Mapping[str, _Requirement] = {
+    "phase_margin": _Requirement("degrees", 0.0, lambda m: m.phase_margin),
+    "gain_margin": _Requirement("1", 1.0, lambda m: m.gain_margin),
+    "gain_reduction": _Requirement(
+        "1", 1.0, lambda m: 1 / m.gain_reduction_margin if m.gain_reduction_margin else np.inf
+    ),
+    "delay_margin": _Requirement("s", 0.0, lambda m: m.delay_margin),
+    "modulus_margin": _Requirement("1", 0.0, lambda m: m.modulus_margin),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class OpenLoop:
+    """The loop opened at `signal`, at an operating point and with some parameters changed, and its margins."""
+
+    point: str
+    case: Case
+    signal: str
+    L: StateSpace
+    margins: Margins
+
+    @property
+    def label(self) -> str:
+        """The signal, the operating point and the changed parameters, as text."""
+        return f"at {self.signal}, {self.point}{_case_text(self.case)}"
+
+    def margin(self, name: str) -> float:
+        """Return one of REQUIREMENTS; an unstable loop has no margin left."""
+        requirement = REQUIREMENTS[name]
+        return float(requirement.of(self.margins)) if self.margins.stable else requirement.if_unstable
+
+
+@dataclass(frozen=True)
+class Unsolved:
+    """An operating point, with some parameters changed, without an equilibrium of the loop, and the reason."""
+
+    point: str
+    case: Case
+    reason: str
+
+    @property
+    def label(self) -> str:
+        """The operating point and the changed parameters, as text."""
+        return f"at {self.point}{_case_text(self.case)}"
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """The loops at all operating points and cases, and those points and cases that have no equilibrium.
+
+    `disks` has the disk margins where all loops are stable, by point with changed parameters, then by the name of the
+    group of signals that vary at once.
+    """
+
+    loops: Sequence[OpenLoop]
+    unsolved: Sequence[Unsolved]
+    disks: Mapping[str, Mapping[str, disk.DiskMargin]] = field(default_factory=dict)
+
+    @property
+    def lost(self) -> list[str]:
+        """The points without an equilibrium and the loops that are not stable: they have no margins."""
+        unstable = [loop.label for loop in self.loops if not loop.margins.stable]
+        return [*(f"{u.label}: {u.reason}" for u in self.unsolved), *unstable]
+
+
+def _case_text(case: Case) -> str:
+    """Return the changed parameters as text."""
+    return "".join(f", {name} = {value:.5g}" for name, value in case.items())
+
+
+@dataclass(frozen=True, eq=False)
+class Loops:
+    """The closed loop of a stage, its interface, its operating points and sets of parameter values.
+
+    `points` holds plant states by name of the point; the other states are 0. `cases` are sets of parameter values; the
+    set NOMINAL changes none.
+    """
+
+    closed: SampledLoop
+    interface: Interface
+    points: Mapping[str, Mapping[str, float]]
+    cases: Sequence[Case] = field(default=(NOMINAL,))
+
+    @property
+    def actuators(self) -> tuple[str, ...]:
+        """The plant's inputs that the controller drives."""
+        return tuple(self.closed.actuators)
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """The controller's inputs that sensors drive."""
+        return tuple(self.closed.sensors)
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """All actuators and sensors; with coordinates, these and the sensors outside them."""
+        coordinates = self.closed.coordinates
+        taken = {sensor for weights in coordinates.values() for sensor in weights}
+        others = [sensor for sensor in self.sensors if sensor not in taken]
+        return (*coordinates, *others) if coordinates else (*self.actuators, *others)
+
+    @property
+    def groups(self) -> Groups:
+        """The groups of signals that vary at once for the disk margins."""
+        return {"actuators": self.actuators, "sensors": self.sensors, "both": (*self.actuators, *self.sensors)}
+
+
+@arguments.checked
+def of_controller(
+    controller: Controller,
+    plant: Plant,
+    points: Mapping[str, Mapping[str, float]],
+    cases: Sequence[Case] = (NOMINAL,),
+    scalar: type[np.floating] = np.float32,
+    actuators: Wires | None = None,
+    coordinates: Mapping[str, Mapping[str, float]] | None = None,
+) -> Loops:
+    """Return the loops of a composed controller, its constants rounded to `scalar`, around a plant.
+
+    `actuators` are the wires from the controller's outputs to the plant's inputs, by default those of the interface;
+    `coordinates` {name: {sensor: weight}} are sums of sensors at which the loops open instead.
+
+    Raises SignalError for no operating point, or as `equilibrium_equations.SampledLoop`.
+    """
+    if not points or not cases:
+        raise SignalError(
+            "there are no operating points or no cases: give at least one of each, for example the middle of the range"
+        )
+    interface = controller.interface
+    wires = {a.of: a.name for a in interface.actuators} if actuators is None else actuators
+    sensors = {s.name: s.of for s in interface.sensors}
+    closed = SampledLoop(plant, controller.block.rounded(scalar), sensors, wires, interface.delay, coordinates or {})
+    return Loops(closed, interface, dict(points), tuple(cases))
+
+
+@arguments.checked
+def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
+    """Return the equilibrium of the loop at an operating point, with some parameters of the plant changed.
+
+    Raises SignalError for an unknown point; ModelError as `trim_with_free_states` and as `equilibrium.solve`.
+    """
+    if point not in loops.points:
+        raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
+    closed = loops.closed
+    plant = closed.plant.with_parameters(**case) if case else closed.plant
+    try:
+        trimmed = operating_points.trim_with_free_states(plant, dict(loops.points[point]), list(loops.actuators))
+    except ModelError as error:
+        raise ModelError(f"operating point '{point}'{_case_text(case)}: {error}") from error
+    outputs = np.asarray(plant.h(trimmed.x, trimmed.u, trimmed.p)).ravel().tolist()
+    values = dict(zip(trimmed.states, trimmed.x.tolist(), strict=True))
+    values |= zip(signal_names(plant.outputs), outputs, strict=True)
+    values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
+    references = {s.name: values[s.of] for s in loops.interface.set_points}
+    references |= {s.name: 0.0 for s in (loops.interface.missed_calls,) if s}
+    return equilibrium.solve(replace(closed, plant=plant), references, trimmed)
+
+
+@arguments.checked
+def open_loops(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]:
+    """Return the loop at each operating point and case, opened at each of `signals`, by default `Loops.signals`.
+
+    Raises SignalError for an unknown signal; ModelError with the operating point if it has no equilibrium or margins.
+    """
+    chosen = loops.signals if signals is None else signals
+    equilibria = ((p, c, equilibrium_at(loops, p, c)) for p, c in itertools.product(loops.points, loops.cases))
+    return [_open(point, case, signal, at_rest) for point, case, at_rest in equilibria for signal in chosen]
+
+
+@arguments.checked
+def survey(loops: Loops, at_once: Groups = MappingProxyType({})) -> Survey:
+    """Return the loops as `open_loops` does, with the points and cases without an equilibrium listed beside them.
+
+    An unstable loop may have no equilibrium that can be found, since its samples do not lead to one. Where all loops
+    are stable, the disk margin with all signals of each group `at_once` is computed, too.
+
+    Raises as `open_loops`, but no NoEquilibriumError.
+    """
+    opened: list[OpenLoop] = []
+    unsolved: list[Unsolved] = []
+    disks: dict[str, Mapping[str, disk.DiskMargin]] = {}
+    for point, case in itertools.product(loops.points, loops.cases):
+        try:
+            at_rest = equilibrium_at(loops, point, case)
+        except NoEquilibriumError as error:
+            unsolved.append(Unsolved(point, case, str(error)))
+        else:
+            here = [_open(point, case, signal, at_rest) for signal in loops.signals]
+            opened += here
+            if at_once and all(loop.margins.stable for loop in here):
+                disks[f"{point}{_case_text(case)}"] = _disks(at_rest, at_once)
+    return Survey(opened, unsolved, disks)
+
+
+def _open(point: str, case: Case, signal: str, at_rest: Equilibrium) -> OpenLoop:
+    L = equilibrium.open_loop(at_rest, signal)
+    return OpenLoop(point, case, signal, L, _margins(L, signal, point))
+
+
+def _margins(L: StateSpace, signal: str, point: str) -> Margins:
+    try:
+        return stability_margins.of_loop(L)
+    except ModelError as error:
+        raise ModelError(f"the loop opened at {signal} at the operating point '{point}': {error}") from error
+
+
+@arguments.checked
+def disk_margins(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
+    """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
+    return _disks(equilibrium_at(loops, point, case), loops.groups)
+
+
+def _disks(at_rest: Equilibrium, groups: Groups) -> dict[str, disk.DiskMargin]:
+    return {name: disk.of_loop(equilibrium.open_loop(at_rest, list(signals))) for name, signals in groups.items()}
+
+
+@arguments.checked
+def checks(loops: Sequence[OpenLoop], require: Mapping[str, float], unsolved: Sequence[Unsolved] = ()) -> list[Check]:
+    """Return for each required margin the least of the loops, beside what is required.
+
+    Where a loop is not stable, or has no equilibrium, no margin is left.
+
+    `require` {name: least} takes the names of REQUIREMENTS: phase_margin in degrees, gain_margin and gain_reduction as
+    factors above 1, delay_margin in s, modulus_margin; -inf requires nothing.
+
+    Raises SignalError for another name or no loop.
+    """
+    if unknown := [name for name in require if name not in REQUIREMENTS]:
+        raise SignalError(f"'{unknown[0]}' is not a known margin: choose one of {', '.join(REQUIREMENTS)}")
+    if not loops and not unsolved:
+        raise SignalError("there is no loop to check: open at least one")
+    return [_check(loops, name, least, unsolved) for name, least in require.items()]
+
+
+def _check(loops: Sequence[OpenLoop], name: str, least: float, unsolved: Sequence[Unsolved]) -> Check:
+    requirement = REQUIREMENTS[name]
+    if unsolved:
+        others = f", the first of {len(unsolved)} such cases" if len(unsolved) > 1 else ""
+        value, about = requirement.if_unstable, f"no equilibrium {unsolved[0].label}{others}: {unsolved[0].reason}"
+    else:
+        worst = min(loops, key=lambda loop: loop.margin(name))
+        value, stable = worst.margin(name), "" if worst.margins.stable else ", not stable"
+        about = f"the least of {len(loops)} loops, {worst.label}{stable}"
+    return Check(name.replace("_", " "), value, least, requirement.unit, about, at_least=True)

@@ -1,0 +1,212 @@
+"""Peak of the structured singular value of a stable model over all frequencies, proved between grid points as well.
+
+    M(s) = C (s I - A)^-1 B + D, (p, p),        peak = max over 0 <= w <= inf of mu(M(i w))
+
+mu is bounded as in `structured_singular_value`, first on a grid that is dense at lightly damped poles. Between the
+grid points, the scaling D of one point is used: sigma_max(D M(i w) D^-1) crosses a level g only where i w is an
+eigenvalue of the Hamiltonian (Boyd, Balakrishnan, Kabamba 1989)
+
+    [  F   G  ]       F = A + B R^-1 D'C,     G = B R^-1 B',     Q = C'(I + D R^-1 D')C,     R = g^2 I - D'D
+    [ -Q  -F' ]
+
+with scaled B, C and D. These eigenvalues divide the axis into intervals on each of which the bound is entirely below
+or above g. Intervals below g are finished; the others get the scaling of
+another point, until none remains. If a point there exceeds the peak, it becomes the peak. If another scaling gains
+little because two singular values meet, the level rises step by step.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.analyse.loops import schur_response
+from synth.analyse.loops import structured_singular_value as ssv
+from synth.analyse.loops.schur_response import Response
+from synth.statespace import Array, Complex, StateSpace
+
+Interval = tuple[float, float]
+GRID_TOLERANCE, FINAL_TOLERANCE = 1e-2, 1e-8  # relative, of the bounds on the grid and at the points that decide
+# (count, e): number of eigenvalue problems for the level (1 + e) peak before the next e is used.
+LEVELS = ((4, 1e-6), (4, 1e-5), (4, 1e-4), (48, 1e-3), (16, 1e-2), (16, 1e-1))
+
+
+@dataclass(frozen=True, eq=False)
+class Peak:
+    """mu(M(i w)) <= `level` at all w, when `certified`; `lower` = mu's lower bound at `frequency`, with its `delta`.
+
+    `frequencies` (k,) in rad/s and `bounds` (k,) are the points and the upper bounds of mu there.
+    """
+
+    level: float
+    certified: bool
+    lower: float
+    delta: Complex
+    frequency: float
+    frequencies: Array
+    bounds: Array
+
+
+@dataclass(eq=False)
+class _Points:
+    """Frequencies with M, the bound and its scaling; `fine` marks bounds that are fully minimised."""
+
+    w: Array
+    M: Complex
+    bound: Array
+    scaling: Array
+    fine: NDArray[np.bool_]
+
+    def refine(self, k: int) -> None:
+        """Minimise the bound at point k."""
+        if not self.fine[k]:
+            upper = ssv.upper(self.M[k : k + 1], FINAL_TOLERANCE)
+            self.bound[k], self.scaling[k], self.fine[k] = upper.value[0], upper.scaling[0], True
+
+    def add(self, M: Response, frequencies: Array, tolerance: float) -> None:
+        """Add frequencies, with bounds minimised to the tolerance."""
+        new = _points(M, frequencies, tolerance)
+        for name in ("w", "M", "bound", "scaling", "fine"):
+            setattr(self, name, np.concatenate([getattr(self, name), getattr(new, name)]))
+
+    def highest(self, inside: NDArray[np.bool_]) -> int:
+        """Return the point with the highest fine bound among those inside."""
+        places = np.flatnonzero(inside)
+        k, seen = -1, -1
+        while (k := int(places[self.bound[places].argmax()])) != seen:
+            self.refine(k)
+            seen = k
+        return k
+
+
+def _points(M: Response, frequencies: Array, tolerance: float) -> _Points:
+    response = M.at(frequencies)
+    upper = ssv.upper(response, tolerance)
+    fine = np.full(len(frequencies), tolerance <= FINAL_TOLERANCE)
+    return _Points(frequencies, response, upper.value, upper.scaling, fine)
+
+
+def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
+    """Return the largest mu of a stable model (p, p) over all frequencies.
+
+    Without `certify`, it is the largest on the grid and on more points around its peak.
+    """
+    M = schur_response.of(model)
+    points = _points(M, grid(M.poles), GRID_TOLERANCE)
+    _climb(M, points)
+    top = points.highest(points.w >= 0)
+    level, certified = _prove(M, points) if certify else (float(points.bound[top]), False)
+    highest = _highest(points)
+    level *= 1 + 2 * max(_rounding(M, points, k) for k in highest)
+    lower_bounds = {k: ssv.lower(points.M[k]) for k in highest}
+    k = max(
+        (k for k in lower_bounds if 0 < points.w[k] < np.inf or _is_real(lower_bounds[k].delta)),
+        key=lambda k: lower_bounds[k].value,
+    )
+    order, w = np.argsort(points.w), M.unwarped(points.w)
+    return Peak(
+        level, certified, lower_bounds[k].value, lower_bounds[k].delta, float(w[k]), w[order], points.bound[order]
+    )
+
+
+def _rounding(M: Response, points: _Points, k: int) -> float:
+    """Return the relative rounding error of sigma_max(D M D^-1) at a point."""
+    error = M.error(float(points.w[k]))[None]
+    return float(ssv.gain(error, points.scaling[k])[0]) / max(float(points.bound[k]), 1e-300)
+
+
+def grid(poles: Complex) -> Array:
+    """Return 0, frequencies in rad/s from below to above all poles, dense at lightly damped ones, and inf."""
+    if not len(poles):
+        return np.array([0.0, 1.0, np.inf])
+    size = np.abs(poles)
+    low, high = 1e-3 * max(float(size.min()), 1e-12 * float(size.max())), 1e3 * float(size.max())
+    around = poles.imag[:, None] + np.abs(poles.real)[:, None] * np.array([-3.0, -1.0, -0.3, 0.0, 0.3, 1.0, 3.0])
+    w = np.unique(np.concatenate([np.geomspace(low, high, 120), around[around > low]]))
+    return np.concatenate([[0.0], w, [np.inf]])
+
+
+def _climb(M: Response, points: _Points, rounds: int = 4) -> None:
+    """Add points around the highest one, closer each round."""
+    for _ in range(rounds):
+        k = points.highest(points.w >= 0)
+        w = points.w[k]
+        below, above = points.w[points.w < w].max(initial=0.0), points.w[points.w > w].min(initial=np.inf)
+        ends = [e for e in (below, above) if 0 < e < np.inf or (e == 0 and w > 0)]
+        if np.isinf(w) or not ends:
+            return
+        new = np.concatenate([w + (e - w) * np.array([0.1, 0.3, 0.6]) for e in ends])
+        points.add(M, new[new != w], FINAL_TOLERANCE)
+
+
+def _highest(points: _Points, count: int = 3) -> list[int]:
+    """Return the highest points and, if one is an end of the axis, its neighbour as well.
+
+    At an end the response of a real system is real, and a complex delta of mu cannot be realised there.
+    """
+    places = np.flatnonzero(points.fine)
+    places = places[np.argsort(-points.bound[places], kind="stable")[:count]]
+    inner = np.flatnonzero((points.w > 0) & np.isfinite(points.w))
+    beside = [inner[points.w[inner].argmin()]] if (points.w[places] == 0).any() else []
+    beside += [inner[points.w[inner].argmax()]] if np.isinf(points.w[places]).any() else []
+    return [int(k) for k in (*places, *beside)]
+
+
+def _is_real(delta: Complex) -> bool:
+    """Tell whether a system with real coefficients can have these values at an end of the axis."""
+    return bool((np.abs(delta.imag) <= 1e-9 * np.abs(delta)).all())
+
+
+def _prove(M: Response, points: _Points) -> tuple[float, bool]:
+    """Return an upper bound of mu over frequency, and whether it is proved for all frequencies."""
+    peak, undecided = float(points.bound[points.highest(points.w >= 0)]), [(0.0, np.inf)]
+    if not peak:
+        return 0.0, True  # M vanishes at more points than it has poles: M = 0
+    for margin in (e for count, e in LEVELS for _ in range(count)):
+        while True:
+            k = _highest_inside(M, points, undecided[-1])
+            if points.bound[k] <= peak:
+                break
+            peak = float(points.bound[k])
+        level = (1 + margin) * peak
+        undecided += _above(M, points.scaling[k], level, undecided.pop())
+        if not undecided:
+            return level, True
+    return peak, False
+
+
+def _highest_inside(M: Response, points: _Points, interval: Interval) -> int:
+    """Return the highest point inside the interval, or a new one in its middle if it has none."""
+    a, b = interval
+    inside = ((points.w > a) & (points.w < b)) | ((points.w == a) & (a == 0)) | ((points.w == b) & np.isinf(b))
+    if not inside.any():
+        points.add(M, np.array([0.5 * (a + b) if np.isfinite(b) else 2 * a]), FINAL_TOLERANCE)
+        return len(points.w) - 1
+    return points.highest(inside)
+
+
+def _above(M: Response, x: Array, level: float, interval: Interval) -> list[Interval]:
+    """Return the parts of the interval where sigma_max(D M D^-1) is not below the level."""
+    a, b = interval
+    cuts = np.unique(np.abs(hamiltonian_eigenvalues(M, x, level).imag))
+    cuts = cuts[(cuts > a) & (cuts < b)]
+    ends = np.concatenate([[a], cuts[np.append(np.diff(cuts) > 1e-12 * cuts[1:], True)[: len(cuts)]], [b]])
+    middles = np.where(np.isinf(ends[1:]), 2 * ends[:-1] + M.size, 0.5 * (ends[:-1] + ends[1:]))
+    below = ssv.gain(M.at(middles), x) < level
+    intervals: list[Interval] = []
+    for low, high, done in zip(ends[:-1], ends[1:], below, strict=True):
+        if not done and intervals and intervals[-1][1] == low:
+            intervals[-1] = (intervals[-1][0], float(high))
+        elif not done:
+            intervals.append((float(low), float(high)))
+    return intervals
+
+
+def hamiltonian_eigenvalues(M: Response, x: Array, level: float) -> Complex:
+    """Return s (2 n,), including each i w where `level` is a singular value of D M(i w) D^-1, D^2 = diag(x)."""
+    d = np.sqrt(x)
+    A, B, C, D = M.A, M.B / d, M.C * d[:, None], M.D * d[:, None] / d
+    n = len(A)
+    K = np.linalg.solve(level**2 * np.eye(len(d)) - D.T @ D, np.hstack([D.T @ C, B.T]))
+    F, G, Q = A + B @ K[:, :n], B @ K[:, n:], C.T @ (C + D @ K[:, :n])
+    return np.asarray(np.linalg.eigvals(np.block([[F, G], [-Q, -F.T]])), dtype=np.complex128)

@@ -1,0 +1,1 @@
+"""Numbers for the analyses: extended precision, rounding, boxes, scaling, refinement of grids."""

@@ -1,0 +1,286 @@
+"""The commands of the command line, for the designs of the workspace in the current folder, in parallel.
+
+Each prints tables, or with `as_json` one JSON document, and returns the exit status: 0 passed, 1 a check failed, 2 a
+design has no result. A terminal shows progress as bars; elsewhere it is written as lines, to stderr with `as_json`.
+"""
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from synth.app import builds, fault_jobs, tables, tasks, workspace
+from synth.app.command_results import Failed, finish, run_jobs, successful, writer
+from synth.app.new import create
+from synth.app.tasks import attempt
+from synth.base import progress, store, strict_json
+from synth.base.jobs import Job
+from synth.base.progress import Progress
+from synth.check import Check
+from synth.emit import write
+from synth.emit.c import vectors
+from synth.report import first_screen
+from synth.report.audit import Row
+from synth.simulate.experiment import Experiment
+from synth.simulate.faults.fault_rows import Campaign
+from synth.verify.cost import Cost
+from synth.verify.evidence import Evidence
+from synth.verify.proofs import prove as proofs
+
+SCALARS: dict[str, type[np.floating]] = {"float32": np.float32, "float64": np.float64}
+CORES: dict[str, type[np.floating]] = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
+SAFE_OUTPUT = "safe_output.json"  # in the folder of a design
+PROOFS = 5  # lines that `prove` reports for each folder of C
+Names = Sequence[str]
+
+
+def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool, fresh: bool) -> dict[str, Any]:
+    """Run jobs in parallel; return for each design the value of the job of its name, or a Failed."""
+    outcomes = run_jobs(jobs, as_json, fresh)
+    return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
+
+
+def _for_each_design(
+    names: Names, as_json: bool, fresh: bool, work: Callable[[workspace.Design, Progress], Any]
+) -> dict[str, Any]:
+    """Do the same work on each design, in parallel; return the results by name."""
+    designs = workspace.designs(Path.cwd(), names)
+    jobs = [Job(d.name, d.name, partial(work, d)) for d in designs]
+    return _run(jobs, designs, as_json, fresh)
+
+
+def build(names: Names, as_json: bool, fresh: bool) -> int:
+    """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
+    root, documents, screens = Path.cwd(), [], dict[str, Sequence[first_screen.Row]]()
+    results = dict[str, Any]()
+    # Stored results count as missing also for the choice of the jobs.
+    with store.fresh_run() if fresh else nullcontext():
+        keys = {name: builds.source_key(root, name) for name in workspace.design_names(root, names)}
+        for name, key in keys.items():
+            complete: builds.Complete | None = store.find(key)
+            if complete is not None:
+                builds.save(complete.folders, root)
+                results[name] = complete.built
+        if changed := [name for name in keys if name not in results]:
+            designs = workspace.designs(root, changed)
+            results |= _run(builds.build_jobs(designs, root, keys), designs, as_json, fresh)
+    for name, built in ((name, results[name]) for name in keys):
+        if isinstance(built, Failed):
+            continue
+        reports = {f"{name}.html": built.page, f"{name}.evidence.json": strict_json.dumps(built.evidence) + "\n"}
+        write.save(reports, root / "reports")
+        failed = [c.document() for c in built.checks if not c.passed]
+        documents.append({"design": name, "checks": len(built.checks), "failed": failed})
+        screens[name] = built.rows
+    if not as_json:
+        tables.print_first_screen(screens)
+    for name, rows in screens.items():
+        writer(as_json)(name, f"{first_screen.headline(rows)}; report in reports/{name}.html")
+    return finish(as_json, documents, results, any(document["failed"] for document in documents))
+
+
+def verify(names: Names, as_json: bool, fresh: bool, core: str | None) -> int:
+    """Compare the witnesses on this machine, or the machine code of a `core` with that of this machine."""
+    results = _for_each_design(names, as_json, fresh, partial(_on_target, core) if core else _on_host)
+    documents = [r.document for r in successful(results)]
+    for name, verified in results.items():
+        if not as_json and isinstance(verified, Verified):
+            tables.print_checks(name, verified.checks, verified.figures, verified.notes)
+    return finish(as_json, documents, results, not all(c.passed for r in successful(results) for c in r.checks))
+
+
+@dataclass(frozen=True)
+class Verified:
+    """A verification: the document, the checks, measured values without a limit, and notes below them."""
+
+    document: Mapping[str, Any]
+    checks: Sequence[Check]
+    figures: Mapping[str, float]
+    notes: Sequence[str] = ()
+
+
+def _on_host(design: workspace.Design, report: Progress) -> Verified:
+    evidence, _ = attempt(partial(builds.verify, design, True, report), "verification", Evidence(design.name, (), ()))
+    return Verified(evidence.document(), evidence.checks, {})
+
+
+def _on_target(core: str, design: workspace.Design, report: Progress) -> Verified:
+    """Replay on the host and on a core: the document, the checks, and the drift with contraction as measured values."""
+    from synth.execute import cross, host
+    from synth.verify import on_target
+
+    folders = dict(tasks.emission(design, CORES[core]).result(report))
+    emitted = folders.pop(design.name)
+    inputs = design.cost_stimuli.replay(host.load(emitted.files, emitted.manifest))
+    checks = [*on_target.verify(emitted, inputs, core, report)]
+    for folder, companion in folders.items():
+        recorded, count = vectors.inputs(companion.files["vectors.json"]), _in_folder(report, folder, design.name)
+        checks += [replace(c, name=f"{folder}, {c.name}") for c in on_target.verify(companion, recorded, core, count)]
+    document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
+    if "gcc" not in cross.available():
+        note = "drift with contraction: arm-none-eabi-gcc is not installed, not measured"
+        report(note)
+        return Verified(document, checks, {}, (note,))
+    drift = on_target.drift(emitted, inputs, core, design.cost_stimuli.floor)
+    floor = design.cost_stimuli.floor
+    least = f"{floor:g}" if isinstance(floor, float) else "floor"
+    what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
+    figures = {what: drift.worst, "fault words that differ": float(drift.faults)}
+    return Verified(document | {"drift": asdict(drift)}, checks, figures)
+
+
+def cost(names: Names, as_json: bool, fresh: bool) -> int:
+    """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
+
+    def measure(design: workspace.Design, report: Progress) -> list[Cost]:
+        return [tasks.whole_cost(design).result(report), *tasks.companion_costs(design).result(report)]
+
+    results = _for_each_design(names, as_json, fresh, measure)
+    costs = [cost for each in successful(results) for cost in each]
+    for measured in costs if not as_json else ():
+        tables.print_cost(measured)
+    return finish(as_json, [measured.document() for measured in costs], results)
+
+
+def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
+    """Prove the emitted C, as deep as the proofs go or a subset."""
+
+    def run_proofs(design: workspace.Design, report: Progress) -> dict[str, list[Check]]:
+        emitted = tasks.emission(design, design.scalar).result(report)
+        count = progress.numbered(report, PROOFS * len(emitted))
+        return {
+            folder: list(proofs.prove(e.files, e.manifest, whole, _in_folder(count, folder, design.name)))
+            for folder, e in emitted.items()
+        }
+
+    results = _for_each_design(names, as_json, fresh, run_proofs)
+    folders = {folder: checks for each in successful(results) for folder, checks in each.items()}
+    if not as_json:
+        for folder, checks in folders.items():
+            tables.print_checks(folder, checks)
+    documents = [{"design": folder, "whole": whole, "checks": _checks(checks)} for folder, checks in folders.items()]
+    return finish(as_json, documents, results, not all(c.passed for checks in folders.values() for c in checks))
+
+
+def _in_folder(report: Progress, folder: str, design: str) -> Progress:
+    """Return a report with the folder of the C in each line, except for the folder that has the design's name."""
+    return report if folder == design else lambda line: report(f"{folder}: {line}")
+
+
+def simulate(names: Names, as_json: bool, fresh: bool) -> int:
+    """Run each design's experiments on the full plant with the compiled C in the loop."""
+
+    def run_experiments(design: workspace.Design, report: Progress) -> list[Verified]:
+        runs, failed = attempt(partial(tasks.experiments, design, report), "experiments", list[Experiment]())
+        errors = {"name": "errors", "title": "Errors", "figures": {}, "checks": _checks(failed)}
+        verified = [Verified(_experiment(e), e.checks, e.figures) for e in runs]
+        return [*verified, *([Verified(errors, failed, {})] if failed else [])]
+
+    results = _for_each_design(names, as_json, fresh, run_experiments)
+    documents, every = [], [v for each in successful(results) for v in each]
+    for name, each in results.items():
+        if not isinstance(each, Failed):
+            documents.append({"design": name, "experiments": [v.document for v in each]})
+    if not as_json:
+        for v in every:
+            tables.print_checks(v.document["title"], v.checks, v.figures)
+    return finish(as_json, documents, results, not all(c.passed for v in every for c in v.checks))
+
+
+def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool, sweep: bool = False) -> int:
+    """Inject every fault of the interface of each design into its closed loop, and measure what the machine does."""
+    results = _on_machine(names, as_json, fresh, partial(fault_jobs.parts, plants=plants, sweep=sweep), _campaign)
+    pairs = successful(results)
+    for campaign, errors in pairs if not as_json else ():
+        if campaign is not None:
+            tables.print_campaign(campaign, every)
+        if errors:
+            tables.print_checks("parts of the campaign that raised errors", errors)
+    failed = any(errors or not all(check.passed for check in campaign.checks) for campaign, errors in pairs)
+    documents = [(c.document() if c else {}) | ({"errors": _checks(errors)} if errors else {}) for c, errors in pairs]
+    return finish(as_json, documents, results, failed)
+
+
+def _campaign(*arguments: Any) -> tuple[Campaign | None, list[Check]]:
+    """Return the campaign of a design, and a failed check for each part that raised an error."""
+    return attempt(partial(fault_jobs.result, *arguments), "faults", None)
+
+
+def measure_safe_output(names: Names, as_json: bool, fresh: bool, plants: int) -> int:
+    """Measure what each machine does after the latch, and write designs/<name>/safe_output.json."""
+    results = _on_machine(names, as_json, fresh, partial(fault_jobs.losses, plants=plants), fault_jobs.safe_output)
+    for name, measured in results.items():
+        if isinstance(measured, Failed):
+            continue
+        measured.write(Path.cwd() / "designs" / name / SAFE_OUTPUT)
+        writer(as_json)(name, measured.text())
+    return finish(as_json, [asdict(measured) for measured in successful(results)], results)
+
+
+def _on_machine(
+    names: Names,
+    as_json: bool,
+    fresh: bool,
+    parts: Callable[[workspace.Design], Sequence[fault_jobs.Part]],
+    result: Callable[..., Any],
+) -> dict[str, Any]:
+    """Run parts of the fault campaign of each design that closes a loop; return the results by name."""
+    designs = workspace.designs(Path.cwd(), names)
+    closed = {d.name: (d, parts(d)) for d in designs if fault_jobs.closes_loop(d) or d.name in names}
+    jobs = {name: fault_jobs.jobs(*each) for name, each in closed.items()}
+    outcomes = run_jobs([job for each in jobs.values() for job in each], as_json, fresh)
+    results: dict[str, Any] = {}
+    for name, each in closed.items():
+        error = next((e for job in jobs[name] if (e := outcomes[job.name].error)), "")
+        results[name] = Failed(name, error) if error else result(*each, outcomes)
+    return results
+
+
+def audit(names: Names, as_json: bool, fresh: bool) -> int:
+    """Recompute every published value: published, recomputed, verdict, why. Only an error fails the command."""
+
+    def recompute(design: workspace.Design, report: Progress) -> tuple[list[Row], list[Check]]:
+        return attempt(partial(tasks.audit(design).result, report), "audit", [])
+
+    results = _for_each_design(names, as_json, fresh, recompute)
+    rows, failed = ([each for pair in successful(results) for each in pair[k]] for k in (0, 1))
+    if not as_json:
+        tables.print_rows(rows)
+        if failed:
+            tables.print_checks("audits that raised errors", failed)
+    return finish(as_json, [*(row.document() for row in rows), *_checks(failed)], results, bool(failed))
+
+
+def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
+    """Write a design's C, header, manifest, gains and vectors to a folder, in a scalar type, and print their paths."""
+    (design,) = workspace.designs(Path.cwd(), [name])
+    say = partial(writer(False), name)
+    with store.fresh_run() if fresh else nullcontext():
+        emitted = tasks.emission(design, SCALARS[scalar]).result(say)
+    for folder, files in emitted.items():
+        write.save(files.files, out / folder)
+        say(f"{', '.join(files.files)} in {out / folder}")
+    return 0
+
+
+def new(name: str) -> int:
+    """Write the files of a new stage below the current folder, and print what to do next."""
+    folder, files = create(Path.cwd(), name)
+    inside = "" if folder == Path.cwd() else f"cd {name} && "
+    for path in files:
+        sys.stdout.write(f"{(folder / path).relative_to(Path.cwd())}\n")
+    sys.stdout.write(f"Next: {inside}synth build, then open reports/{name}.html\n")
+    return 0
+
+
+def _experiment(e: Experiment) -> Mapping[str, Any]:
+    return {"name": e.name, "title": e.title, "figures": dict(e.figures), "checks": _checks(e.checks)}
+
+
+def _checks(checks: Sequence[Check]) -> list[Mapping[str, Any]]:
+    return [c.document() for c in checks]

@@ -1,0 +1,108 @@
+"""Jobs of a comparison: the studies of two designs on the same machines, their least margins, and their costs."""
+
+from collections.abc import Mapping
+from itertools import zip_longest
+
+from synth.analyse.loops import robustness
+from synth.app import study_jobs, study_runs, tasks
+from synth.app.study_jobs import Plan
+from synth.app.tasks import Task
+from synth.app.workspace import Design
+from synth.base.jobs import Job, Outcome
+from synth.base.progress import Progress
+from synth.declare.stage import Stage
+from synth.errors import DesignError
+from synth.report.comparison import Side
+from synth.simulate import study
+from synth.simulate.sampling import Sampling
+from synth.verify import standard
+
+MARGINS = (*robustness.REQUIREMENTS, standard.DISK)
+
+
+def plan_of(designs: tuple[Design, Design], drawn: Sampling, patterns: tuple[str, ...]) -> Plan:
+    """Return the study of the experiments that both designs have and whose names match, all without patterns.
+
+    Raises DesignError for a design and itself, for designs of different plants or sensors, for designs without an
+    experiment in common, and as `study.select`.
+    """
+    first, second = designs
+    if first.name == second.name:
+        raise DesignError(f"'{first.name}' is to be compared with itself: name another design")
+    stages = study_jobs.stage_of(first), study_jobs.stage_of(second)
+    machines = [_machine(stage) for stage in stages]
+    if machines[0] != machines[1]:
+        raise DesignError(
+            f"'{first.name}' and '{second.name}' do not run on the same machines: {_difference(*machines)}; compare "
+            f"designs of one plant with the same sensors"
+        )
+    chosen, others = ([e.name for e in study.select(stage.experiments, patterns)] for stage in stages)
+    if not (common := tuple(name for name in chosen if name in others)):
+        raise DesignError(
+            f"'{first.name}' has {', '.join(chosen)}, '{second.name}' has {', '.join(others)}: no experiment of the "
+            f"same name; give experiments that are to be compared the same name"
+        )
+    return Plan(drawn, common)
+
+
+def _machine(stage: Stage) -> list[tuple[str, float, float]]:
+    """Return all from which machines are drawn, in order: name, nominal value, and tolerance or largest error."""
+    rig = study_runs.rig(stage)
+    sensors = rig.stage.interface.sensors
+    return [
+        *((p.name, p.value, p.tolerance) for p in rig.plant.parameters),
+        *((f"sensor {s.name}", s.resolution, s.offset) for s in sensors),
+        *((f"gain of sensor {s.name}", 1.0, s.gain_error) for s in sensors),
+    ]
+
+
+def _difference(*machines: list[tuple[str, float, float]]) -> str:
+    """Return the first quantity in which two machines differ, as a sentence."""
+    first, second = next((a, b) for a, b in zip_longest(*machines) if a != b)
+    return f"one has {_text(first)} where the other has {_text(second)}"
+
+
+def _text(quantity: tuple[str, float, float] | None) -> str:
+    return "{} = {:g} (+- {:g})".format(*quantity) if quantity else "nothing more"
+
+
+def jobs(designs: tuple[Design, Design], plan: Plan) -> list[Job]:
+    """Return the jobs of a comparison, the results of which `sides` puts together."""
+    return [job for design in designs for job in _jobs(design, plan)]
+
+
+def _jobs(design: Design, plan: Plan) -> list[Job]:
+    name, cost = design.name, tasks.brief_cost(design)
+    margins = Job(_margins(design), name, _least_margins(study_jobs.stage_of(design)).result)
+    return [*study_jobs.jobs(design, plan), margins, Job(_cost(design), name, cost.result)]
+
+
+def sides(designs: tuple[Design, Design], plan: Plan, outcomes: Mapping[str, Outcome]) -> tuple[Side, Side]:
+    """Return both designs with their results from the outcomes of all jobs, none of which failed."""
+    first, second = (_side(design, plan, outcomes) for design in designs)
+    return first, second
+
+
+def _side(design: Design, plan: Plan, outcomes: Mapping[str, Outcome]) -> Side:
+    table = study_jobs.result(design, plan, outcomes)
+    return Side(design.name, table, outcomes[_margins(design)].value, outcomes[_cost(design)].value)
+
+
+def _least_margins(stage: Stage) -> Task[dict[str, float]]:
+    """Return the task of the least margins, which a stage without operating points does not have."""
+
+    def compute(say: Progress) -> dict[str, float]:
+        say("margins")
+        if not stage.operating_points:
+            return {}
+        return standard.least_margins(stage, robustness.survey(standard.over_tolerances(stage)), MARGINS)
+
+    return Task("margins", compute, (standard.least_margins, robustness.survey, stage))
+
+
+def _margins(design: Design) -> str:
+    return f"{design.name} margins"
+
+
+def _cost(design: Design) -> str:
+    return f"{design.name} cost"

@@ -1,0 +1,244 @@
+"""Standard tasks of a stage, which the command line runs for a design that does not define its own.
+
+emit           C, manifest, gains and test vectors of the controller and of its companions
+simulate       the experiments of the stage, in closed loop with the emitted C
+cost_stimuli   inputs and states for the measurement of the machine code's cost
+report         the standard report as HTML
+no_audit       the audit of a stage without a publication
+
+The task `verify` is in `synth.verify.standard`. A companion is a Block that is emitted beside the controller, such as
+the commutation of a motor (`synth.declare.companion`).
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.app.workspace import CostStimuli
+from synth.base.progress import Progress
+from synth.block import Block
+from synth.blocks.guard import safety
+from synth.declare import actuation
+from synth.declare.companion import Companion
+from synth.declare.stage import Stage
+from synth.emit import write
+from synth.emit.c import vectors
+from synth.emit.write import EmittedCode
+from synth.errors import DesignError
+from synth.execute import build, host
+from synth.failure import with_reactions
+from synth.report.audit import Row
+from synth.simulate import experiments, headroom
+from synth.simulate import rig as rigs
+from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
+from synth.verify import agree, stimuli
+from synth.verify.cost import Cost
+from synth.verify.evidence import Evidence
+from synth.verify.steps import Steps
+
+
+def compiled_controller(stage: Stage, scalar: type[np.floating]) -> host.Controller:
+    """Return the stage's controller in a scalar type, compiled once."""
+    return _compile(stage, np.dtype(scalar).name)
+
+
+@lru_cache(maxsize=8)
+def _compile(stage: Stage, scalar: str) -> host.Controller:
+    scalar_type = np.float32 if scalar == "float32" else np.float64
+    block = _with_measured_safe_output(stage)  # as it is emitted: the passes over it have run
+    return build.compile_block(block, scalar_type, error=stage.surrogate_error.get(scalar_type))
+
+
+def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
+    """Return the stage's plant under its controller in a scalar type."""
+    return rigs.of_stage(stage, compiled_controller(stage, scalar))
+
+
+def rig_without_latch(stage: Stage, scalar: type[np.floating]) -> Rig:
+    """Return the stage's plant under a controller that never latches.
+
+    A fault campaign with it must fail; otherwise the campaign could not detect a latch that is missing.
+    """
+    block = safety.without_latch(stage.controller.block)
+    return rigs.of_stage(stage, build.compile_block(block, scalar, error=stage.surrogate_error.get(scalar)))
+
+
+def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
+    """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
+    error = stage.surrogate_error.get(scalar)  # allowed relative error of the approximations of functions
+    gains_document = stage.gains(scalar) if stage.gains else gains(stage, scalar)
+    block, notes = _with_measured_safe_output(stage), header_notes(stage)
+    files = write.emit(
+        block,
+        scalar,
+        {"design": gains_document},
+        error=error,
+        header_notes=notes,
+        warning=stage.warning,
+        latency=_latency(stage),
+    )
+    controller = host.load(files.files, files.manifest)
+    record_inputs = stage.recording or record
+    inputs = dict(record_inputs(rigs.of_stage(stage, controller)))
+    replay = controller.replay(inputs)
+    folders = {stage.name: _with_vectors(files, inputs, replay)}
+    for companion in stage.companions:
+        folders[companion.block.name] = _emit_companion(companion, stage, scalar, inputs, replay)
+    return folders
+
+
+def header_notes(stage: Stage) -> list[str]:
+    """Return the sentences of the header of the stage's controller."""
+    return [*_call_order(stage), *_start(stage), *_signs(stage), *stage.header_notes]
+
+
+def _emit_companion(
+    companion: Companion,
+    stage: Stage,
+    scalar: type[np.floating],
+    inputs: Mapping[str, NDArray[Any]],
+    replay: host.Replay,
+) -> EmittedCode:
+    """Return the files of a companion; its test vectors follow from the inputs and the replay of the controller."""
+    document = {"design": companion.gains(scalar)} if companion.gains else None
+    drives = stage.drive is not None and companion.block in stage.drive.blocks
+    order, error = _call_order(stage) if drives else [], stage.surrogate_error.get(scalar)
+    notes = [*order, *(companion.header_notes or stage.header_notes)]
+    latency = _latency(stage) if drives else 0
+    files = write.emit(companion.block, scalar, document, error=error, header_notes=notes, latency=latency)
+    companion_inputs = companion.select_inputs(inputs, replay.outputs)
+    companion_replay = host.load(files.files, files.manifest).replay(companion_inputs)
+    return _with_vectors(files, companion_inputs, companion_replay)
+
+
+def _latency(stage: Stage) -> int:
+    return stage.interface.delay if stage.interface.actuators else 0
+
+
+def _start(stage: Stage) -> list[str]:
+    """Return the state of the machine that init assumes, of a stage with actuators."""
+    if not stage.interface.actuators:
+        return []
+    return ["At init the machine is at rest under the safe output, which acts until the first outputs of the step do."]
+
+
+def _signs(stage: Stage) -> list[str]:
+    """Return what a positive value of each actuator accelerates, of a stage with rates and points of operation."""
+    if not stage.velocities or not stage.operating_points:
+        return []
+    actuators = {a.of: a.name for a in stage.interface.actuators}
+    safe = {a.of: a.safe for a in stage.interface.actuators}
+    signs = actuation.signs(stage.plant, stage.velocities, safe | dict(next(iter(stage.operating_points.values()))))
+    texts = [f"{actuators[n]} {text}" for n, text in signs.items() if n in actuators]
+    return [f"Signs of what a positive value accelerates, from the plant: {'; '.join(texts)}."]
+
+
+def _call_order(stage: Stage) -> list[str]:
+    return [stage.drive.call_order(stage.name)] if stage.drive else []
+
+
+def _with_measured_safe_output(stage: Stage) -> Block:
+    """Return the controller's Block, with the measured effect of the safe output appended to that declared."""
+    block = stage.controller.block
+    block = replace(block, failures=with_reactions(block.failures, stage.reactions, stage.used_instead))
+    if stage.safe_output is None or block.safety is None:
+        return block
+    effect = f"{block.safety.safe_output_effect}; {stage.safe_output.text()}"
+    return replace(block, safety=replace(block.safety, safe_output_effect=effect))
+
+
+def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], replay: host.Replay) -> EmittedCode:
+    text = vectors.document(inputs, replay.outputs, replay.faults)
+    return replace(files, files={**files.files, "vectors.json": text})
+
+
+def record(rig: Rig) -> Mapping[str, NDArray[Any]]:
+    """Return the measured inputs (VECTOR_STEPS,) of a closed loop with bad samples, of which the last ones latch.
+
+    Raises DesignError for a loop that diverges beyond what its scalar type holds.
+    """
+    measured = stimuli.closed_loop(rig, stimuli.VECTOR_STEPS, stimuli.BAD_SAMPLE_EXCESS).measured
+    for name, column in measured.items():
+        if not np.isfinite(column).all():
+            k = int(np.argmin(np.isfinite(column)))
+            raise DesignError(
+                f"the closed loop of '{rig.stage.name}' diverges: '{name}' is {column[k]:g} in sample {k}; check the "
+                f"period of {rig.period_s:g} s, the signs and the gains"
+            )
+    return measured
+
+
+def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
+    """Return the document of gains.json: the plant with its parameters, the rate, and the gains of each law."""
+    laws = {law.name: dict(law.gains(scalar)) for law in stage.controller.laws if law.gains}
+    parameters = {p.name: {"value": p.value, "unit": p.unit, "tolerance": p.tolerance} for p in stage.plant.parameters}
+    return {"plant": stage.plant.name, "period_s": stage.controller.time.period_s, "parameters": parameters, **laws}
+
+
+def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
+    """Run the experiments with the emitted C; raise Incomplete as `experiments.run`."""
+    return experiments.run(rig(stage, stage.scalar), stage.experiments, progress)
+
+
+def with_headroom(stage: Stage, run: Experiment) -> Experiment:
+    """Return an experiment with a check that fails if a state of the control laws has reached its bound.
+
+    A state that the stage lists as limited on purpose may reach it.
+    """
+    constants = {s.name: 0.0 for s in (stage.interface.missed_calls,) if s}
+    return headroom.with_headroom(run, compiled_controller(stage, np.float64), stage.limited, constants)
+
+
+SIMULATE: Mapping[str, Callable[[Stage, Progress], list[Experiment]]] = MappingProxyType({"experiments": simulate})
+
+
+def no_audit(stage: Stage) -> Iterator[Row]:
+    """Yield no rows: a stage without a publication has no published values to compare with."""
+    return iter(())
+
+
+def _no_steps(controller: host.Controller) -> Sequence[Steps]:
+    return ()
+
+
+def cost_stimuli(
+    stage: Stage, further_steps: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
+) -> CostStimuli:
+    """Return the stimuli with which the cost of the machine code is measured.
+
+    `further_steps` returns steps that only this stage needs. `floor` is the least magnitude to which a difference
+    between the outputs of the machine code and of the host is related (`agree.floors`).
+    """
+
+    def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
+        return stimuli.closed_loop(rigs.of_stage(stage, controller), stimuli.REPLAY_STEPS).measured
+
+    def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
+        loop = rigs.of_stage(stage, controller)
+        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
+
+    law = stage.law_alone
+    alone = (
+        None if law is None else lambda: write.emit(law.block, np.float32, error=stage.surrogate_error.get(np.float32))
+    )
+    return CostStimuli(lambda: stage.controller.block, replay, sequences, floor, alone)
+
+
+def report(
+    stage: Stage,
+    files: Mapping[str, EmittedCode],
+    evidence: Evidence,
+    runs: Sequence[Experiment],
+    rows: Sequence[Row],
+    cost: Cost | None,
+) -> str:
+    """Return the report as one HTML document."""
+    from synth.report import template  # matplotlib takes longer to import than all else together
+
+    return template.report(stage, files, evidence, runs, rows, cost)

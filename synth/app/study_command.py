@@ -1,0 +1,108 @@
+"""`synth study`: the machines of a study, their table at the terminal and in files, and the search for the worst."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from math import inf
+from pathlib import Path
+
+from synth.app import study_jobs, tables, verdicts, workspace
+from synth.app.command_results import run_jobs
+from synth.app.study_jobs import Plan
+from synth.app.tasks import attempt
+from synth.app.workspace import Design
+from synth.base import store, strict_json
+from synth.base.jobs import Job
+from synth.check import Check
+from synth.errors import DesignError
+from synth.report import study as report
+from synth.simulate import sampling, study_table, worst_case
+from synth.simulate.study import StudyTable
+from synth.simulate.worst_case import WorstCase
+
+
+@dataclass(frozen=True)
+class StudyFiles:
+    """Where the table of a study is written: CSV, Parquet, and a page."""
+
+    csv: Path | None = None
+    parquet: Path | None = None
+    report: Path | None = None
+
+
+@dataclass(frozen=True)
+class StudyChoice:
+    """The options of `synth study`."""
+
+    plants: int
+    experiments: tuple[str, ...]
+    seed: int
+    method: str
+    row: int | None
+    files: StudyFiles
+    search: str | None
+    scheduler: str | None
+
+
+def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
+    """Run the experiments of a design on many machines, and print distributions, yield and drivers."""
+    (design,) = workspace.designs(Path.cwd(), [name])
+    if chosen.files.parquet is not None:
+        study_table.require_parquet()
+    for path in (chosen.files.csv, chosen.files.parquet, chosen.files.report):
+        if path is not None and (path.is_dir() or not path.parent.is_dir()):
+            raise DesignError(f"the file {path} cannot be written: give a name in a folder that exists")
+    drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
+    patterns = chosen.experiments or study_jobs.stage_of(design).study.experiments
+    plan = study_jobs.Plan(drawn, patterns)
+    outcomes = run_jobs(_jobs(design, plan, chosen), as_json, fresh)
+    if any(outcome.error for outcome in outcomes.values()):
+        return 2
+    table = outcomes[name].value if name in outcomes else study_jobs.result(design, plan, outcomes)
+    worst = None
+    if chosen.search is not None:
+        climb = partial(study_jobs.search, design, plan, table, chosen.search)
+        outcome = run_jobs([Job(name, name, climb)], as_json, fresh)[name]
+        if outcome.error:
+            return 2
+        worst = outcome.value
+    stage = study_jobs.stage_of(design)
+    table, failed = attempt(partial(verdicts.with_limits, stage, table), "limits of the study", table)
+    checks = [*failed, *verdicts.study(stage, table)]
+    _write(name, table, worst, chosen.files)
+    _show(name, table, worst, as_json, chosen.row is not None, checks)
+    declared = stage.study.least_yield > -inf and chosen.row is None
+    return int(not all(c.passed for c in checks) or not (declared or table.passed.all()))
+
+
+def _jobs(design: Design, plan: Plan, chosen: StudyChoice) -> list[Job]:
+    jobs = study_jobs.jobs(design, plan)
+    if chosen.row is not None:
+        return [Job(design.name, design.name, partial(study_jobs.row, design, plan, chosen.row))]
+    if chosen.scheduler is not None:
+        return [Job(design.name, design.name, partial(study_jobs.on_cluster, design, plan, chosen.scheduler))]
+    return jobs
+
+
+def _write(name: str, table: StudyTable, worst: WorstCase | None, files: StudyFiles) -> None:
+    if files.csv is not None:
+        store.replace_text(files.csv, study_table.csv_text(table))
+    if files.parquet is not None:
+        study_table.write_parquet(table, files.parquet)
+    if files.report is not None:
+        store.replace_text(files.report, report.page_text(name, table, worst))
+
+
+def _show(
+    name: str, table: StudyTable, worst: WorstCase | None, as_json: bool, alone: bool, checks: Sequence[Check]
+) -> None:
+    if as_json:
+        verdict = {"checks": [c.document() for c in checks]}
+        searched = {"search": vars(worst)} if worst else {}
+        sys.stdout.write(strict_json.dumps(study_table.document(table) | verdict | searched) + "\n")
+        return
+    (tables.print_machine if alone else tables.print_study)(name, table)
+    tables.print_checks(f"{name}: study", checks)
+    if worst:
+        sys.stdout.write("\n".join(worst_case.notes(worst)) + "\n")

@@ -1,0 +1,1 @@
+"""Estimators as Blocks: GLSDC from phases, screening, prediction and dead reckoning."""

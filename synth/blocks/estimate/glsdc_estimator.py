@@ -1,0 +1,269 @@
+"""Iterated weighted least squares (Gauss-Newton, GLSDC) as a Block, of any measurement model; MATLAB `lsqnonlin`.
+
+    minimise  (y - h(q))' R^-1 (y - h(q)) + sum over priors of (q_i - p_i)^2 / sigma_i^2
+    q <- q + N^-1 (H'e - P (q - p)),   N = H'H + P = L D L',   covariance s^2 N^-1
+
+with e, H whitened as in `glsdc_jacobian` and P = diag(s^2 / sigma_i^2), a fixed number of times a sample, from the last
+estimate and its motion on. The sum of the corrections of a sample is limited, and so is each estimate, to its range.
+
+A pivot of L D L' is never less than that of the largest deviation which an unknown may have. A limit that acts shows in
+the deviation, and the estimate is then `weak` and not valid; so is one whose information exceeds DYNAMIC_RANGE^2 times
+the least, beyond which single precision loses the pivots. Emission proves from these limits that nothing divides by 0
+and nothing overflows.
+
+An estimate is `valid` if it has converged, every channel was accepted, it is not weak and, with integrity monitoring
+(`glsdc_monitor`), the residuals pass their test and each protection level is below its limit. It is otherwise in its
+range, and no more. A prior about the prediction must cover how far the body leaves it; the covariance then bounds that
+of the estimate.
+
+Sources: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+3.B, Fig. 9; Crassidis, Junkins, "Optimal Estimation of Dynamic Systems", section 1.4 (GLSDC).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+from numpy.typing import ArrayLike
+
+from synth import arguments
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
+from synth.blocks.estimate import (
+    glsdc_jacobian,
+    glsdc_linearisation,
+    glsdc_monitor,
+    glsdc_numbers,
+    glsdc_sampled,
+    glsdc_search,
+)
+from synth.blocks.estimate.glsdc import NamedExpressions, Solution, Vector
+from synth.blocks.estimate.glsdc_exclusion import Separation
+from synth.blocks.estimate.glsdc_integrity import Integrity
+from synth.blocks.estimate.glsdc_jacobian import Model
+from synth.blocks.estimate.glsdc_model import Implicit, Measurement, Phase, RotatedMeasurement, Unknown
+from synth.blocks.estimate.glsdc_monitor import Monitor
+from synth.blocks.estimate.glsdc_search import Sample, Search
+from synth.blocks.estimate.glsdc_solution import Iteration, Normal, Problem
+from synth.blocks.estimate.screening import SCREENED
+from synth.blocks.guard import safety
+from synth.composition import compose
+from synth.errors import ModelError
+from synth.signals import Signal, signal_names
+from synth.timing import Discrete
+
+CHI_SQUARE = Signal("chi_square", "1", 0, 1e9, "weighted sum of squared residuals, and of the priors")
+COMPLETE = Signal("complete", "1", 0, 1, "every channel was accepted in this sample")
+FLAGS = (
+    Signal("converged", "1", 0, 1, "the last correction is small"),
+    Signal("weak", "1", 0, 1, "the channels do not determine every unknown to its largest deviation"),
+    Signal("valid", "1", 0, 1, "converged, complete, not weak, and passes the integrity monitor if there is one"),
+)
+SAFE_OUTPUT_EFFECT = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
+
+
+@arguments.checked
+def estimator(
+    name: str,
+    time: Discrete,
+    h: Measurement | Implicit | RotatedMeasurement,
+    R: ArrayLike,
+    *,
+    channels: Sequence[Signal],
+    unknowns: Sequence[Unknown],
+    angles: Sequence[str] = (),
+    phases: Sequence[Phase] = (),
+    constants: Sequence[Constant] = (),
+    iteration: Iteration | None = None,
+    integrity: Integrity | None = None,
+    search: Search | None = None,
+    numbers: Sequence[Constant] = (),
+    tag: str = "weighted least squares",
+) -> Block:
+    """Return the Block from ``<channel>_held`` and ``complete`` to the unknowns.
+
+    `h` maps the unknowns and `constants` to a value for each channel; a periodic unknown q, and an angle, has cos_q and
+    sin_q too. R (m, m) is the covariance of the channels; `glsdc_model.covariance` makes one from noise and model
+    error. `angles` are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`,
+    too. With a `search` (`glsdc_search`) the estimate begins anywhere; without one it begins at the start of each
+    unknown. `numbers` are those of h and of the phases that the C names.
+
+    Outputs are each unknown, ``deviation_<unknown>``, ``chi_square`` (the least cost, WSSE), ``converged``, ``weak``
+    and ``valid``; with `integrity` also ``protection_<unknown>``, and with exclusion ``excluded``, the number of the
+    channel or group that is left out, and ``doubted``; with a `search` ``tracking`` and ``lost``.
+
+    Raises ModelError for a covariance that does not fit, fewer channels and priors than unknowns, what
+    `glsdc_sampled.check` finds, or integrity without redundancy; SignalError for names that are repeated, an h that
+    does not return a value for each channel, or limits that are not those of the unknowns.
+    """
+    of = glsdc_jacobian.model(h, arguments.matrix("R", R), channels, angles, unknowns, phases, constants)
+    glsdc_sampled.check(of, constants)
+    monitor = None if integrity is None else glsdc_monitor.monitor(of, integrity)
+    _check_search(of, monitor, search)
+    own_numbers = [
+        Constant("largest_chi_square", CHI_SQUARE.high, "1", "weighted sum that is reported at most", is_limit=True),
+        *glsdc_numbers.of_solution(of, iteration or Iteration()),
+        *(glsdc_numbers.of_monitor(monitor) if monitor else []),
+        *(glsdc_numbers.of_search(search, of.unknowns) if search else []),
+    ]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        named: NamedExpressions = []
+        x = glsdc_monitor.with_rejection(monitor, u, x) if monitor else x
+        weights = glsdc_monitor.weights(monitor, x) if monitor else None
+        problem = _problem(of, u, x, ca.vcat([k[c.name] for c in constants]), weights, named)
+        solution, about = glsdc_monitor.solve(monitor, problem, iteration or Iteration(), search is not None, x)
+        step = _step(Monitored(of, monitor, search), problem, solution, about, u, x, named)
+        return replace(step, numbers=[*numbers, *own_numbers])
+
+    return build(
+        name,
+        time,
+        law,
+        inputs=[
+            *(replace(s, name=f"{s.name}_held") for s in of.channels),
+            *(glsdc_monitor.inputs(monitor) if monitor and monitor.integrity.screened else [COMPLETE]),
+        ],
+        outputs=[
+            *_outputs(of),
+            *(glsdc_monitor.outputs(monitor) if monitor else []),
+            *([glsdc_search.TRACKING, glsdc_search.LOST] if search else []),
+        ],
+        states=[
+            *_states(of),
+            *(glsdc_monitor.states(monitor) if monitor else []),
+            *(search.states(of.unknowns) if search else []),
+        ],
+        constants=constants,
+        tag=tag,
+    )
+
+
+@arguments.checked
+def guarded(
+    block: Block, name: str, channels: Sequence[Signal], bad_samples: int, safe_output_effect: str = SAFE_OUTPUT_EFFECT
+) -> Block:
+    """Return the estimator behind the guard of its channels, which latches after `bad_samples` incomplete samples.
+
+    Raises SignalError as `safety.guard`, WiringError for channels that are not the estimator's.
+    """
+    inputs = [safety.GuardedInput(s, min(max(0.0, s.low), s.high), True) for s in channels]
+    guard = safety.guard(block.time, inputs, bad_samples, safe_output_effect=safe_output_effect)
+    return compose(name, [guard, block], inputs=signal_names(channels), outputs=signal_names(block.outputs))
+
+
+def _problem(
+    of: Model, u: Exprs, x: Exprs, constants: ca.SX, weights: Vector | None, named: NamedExpressions
+) -> Problem:
+    values = [v.wrap(x[v.name] + x[_motion(v).name]) if v.velocity_gain else x[v.name] for v in of.unknowns]
+    measured = [u[f"{s.name}_held"] for s in of.channels]
+    offsets = [v.offset(value) for v, value in zip(of.unknowns, values, strict=True)]
+    return Problem(of, glsdc_linearisation.predict(of, values, measured, constants, named), offsets, weights)
+
+
+@dataclass(frozen=True, eq=False)
+class Monitored:
+    """A model with its monitor and its search, if it has them."""
+
+    model: Model
+    monitor: Monitor | None
+    search: Search | None
+
+
+def _step(
+    estimator: Monitored,
+    problem: Problem,
+    solution: Solution[Normal],
+    about: Separation | None,
+    u: Exprs,
+    x: Exprs,
+    named: NamedExpressions,
+) -> Step:
+    of, monitor, search = estimator.model, estimator.monitor, estimator.search
+    normal, unknowns = solution.last.normal, of.unknowns
+    variances = normal.variances
+    roots = [of.scale * ca.sqrt(variance) for variance in variances]
+    sigmas = [clip(root, _deviation(v)) for v, root in zip(unknowns, roots, strict=True)]
+    cost = ca.fmax(solution.last.cost - normal.decrease, 0)
+    weak = _is_weak(of, normal, variances)
+    complete = u[SCREENED.name if monitor and monitor.integrity.screened else COMPLETE.name]
+    accepted = ca.logic_and(complete, ca.logic_not(weak))
+    good = ca.logic_and(solution.converged, accepted)
+    starts = problem.prediction.values
+    pose = {v.name: v.wrap(p + d) for v, p, d in zip(unknowns, starts, solution.at, strict=True)}
+    next = pose | _motions(of, solution, x)
+    output = pose | {_deviation(v).name: sigma for v, sigma in zip(unknowns, sigmas, strict=True)}
+    output |= {CHI_SQUARE.name: ca.fmin(cost / of.scale**2, CHI_SQUARE.high)}
+    if monitor:
+        judgement = glsdc_monitor.judge(monitor, solution, about, search is not None, cost, sigmas, x)
+        accepted, output = ca.logic_and(accepted, judgement.passes), output | dict(judgement.levels)
+        good = ca.logic_and(ca.logic_and(good, judgement.passes), judgement.within)
+        next |= dict(judgement.next)
+        if monitor.integrity.exclude:
+            output |= {"excluded": x["excluded"], "doubted": judgement.next["doubted"]}
+        if search:
+            good, tracked = _track(
+                estimator, problem, Sample(starts, pose, solution.converged, accepted), good, next, x
+            )
+            output, next = output | dict(tracked[0]), next | dict(tracked[1])
+    output |= {"converged": solution.converged, "weak": weak, "valid": good}
+    return Step(output, next, named, problem.prediction.certified)
+
+
+def _track(
+    of: Monitored, problem: Problem, sample: Sample, good: ca.SX, next: Exprs, x: Exprs
+) -> tuple[ca.SX, tuple[Exprs, Exprs]]:
+    """Return whether the estimate is valid, and what the search changes in outputs and in next states."""
+    search = of.search
+    assert search is not None
+    tracking, lost = glsdc_search.is_tracking(search, x), glsdc_search.is_lost(search, x)
+    changed = glsdc_search.advance(search, of.model.unknowns, sample, x)
+    for name in (_motion(v).name for v in of.model.unknowns if v.velocity_gain):
+        changed[name] = ca.if_else(tracking, ca.if_else(sample.accepted, next[name], x[name]), 0)
+    for state in glsdc_monitor.states(of.monitor) if of.monitor else []:
+        changed[state.name] = ca.if_else(tracking, next[state.name], 0)
+    valid = ca.logic_and(good, ca.logic_and(tracking, ca.logic_not(lost)))
+    return valid, ({"tracking": tracking, "lost": lost}, changed)
+
+
+def _is_weak(of: Model, normal: Normal, variances: Vector) -> ca.SX:
+    weak = ca.logic_not(normal.in_range)
+    for variance, least in zip(variances, of.weak_from, strict=True):
+        weak = ca.logic_or(weak, variance >= least)
+    return weak
+
+
+def _motions(of: Model, solution: Solution[Normal], x: Exprs) -> dict[str, ca.SX]:
+    """Return the next motions; one that follows from a limited correction, as in a search, is 0."""
+    return {
+        (n := _motion(v).name): ca.if_else(ca.fabs(d) < v.step, x[n] + v.velocity_gain * d, 0)
+        for v, d in zip(of.unknowns, solution.at, strict=True)
+        if v.velocity_gain
+    }
+
+
+def _motion(of: Unknown) -> Signal:
+    return Signal(f"motion_{of.name}", of.signal.unit, -of.step, of.step, f"predicted change of {of.name} a sample")
+
+
+def _deviation(of: Unknown) -> Signal:
+    about = f"standard deviation of {of.name}, limited"
+    return Signal(f"deviation_{of.name}", of.signal.unit, 0, of.largest_deviation, about)
+
+
+def _outputs(of: Model) -> list[Signal]:
+    return [*(u.signal for u in of.unknowns), *map(_deviation, of.unknowns), CHI_SQUARE, *FLAGS]
+
+
+def _states(of: Model) -> list[State]:
+    motions = [State(_motion(u), 0.0) for u in of.unknowns if u.velocity_gain]
+    return [*(State(u.signal, u.start) for u in of.unknowns), *motions]
+
+
+def _check_search(of: Model, monitor: Monitor | None, search: Search | None) -> None:
+    if search is None:
+        return
+    if monitor is None:
+        raise ModelError("the search accepts what passes the test of the residuals: give integrity, too")
+    if search.all_groups and not monitor.integrity.exclude:
+        raise ModelError("the search needs all groups of channels, and none is ever excluded: omit all_groups")
+    search.check(of.unknowns)

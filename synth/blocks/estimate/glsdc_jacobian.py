@@ -1,0 +1,286 @@
+"""Whitened residuals and Jacobian of a measurement model y = h(q) + v, symbolic.
+
+    v ~ N(0, R),   W R W' = s^2 I,   e(q) = W (y - h(q)),   H(q) = W dh/dq      angles: y - h wrapped to half a turn
+
+with W lower triangular and s = 1, or with W = I and s^2 the common variance of independent measurements, which then
+needs no multiplication.
+
+A periodic unknown q_i of period T_i also enters h by the cosine and the sine of 2 pi q_i / T_i, an angle and a Phase
+a(q) by their own. They are computed once a sample, at the prediction; a trial rotates them (`glsdc_linearisation`).
+Chain rule:
+
+    dh/dq_i = dh/dq_i |c,s + sum over angles a of (c dh/ds - s dh/dc) da/dq_i,   c = cos a,  s = sin a
+
+An Implicit model is a residual e(q, y) of which W de/dy is orthogonal; H(q) = -W de/dq. A RotatedMeasurement brings its
+H.
+
+Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 3.4 (nonlinear
+weighted least squares).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import factorial, inf
+
+import casadi as ca
+import numpy as np
+
+from synth import arguments
+from synth import law as laws
+from synth.block import Constant, Exprs
+from synth.blocks.estimate import glsdc_declared
+from synth.blocks.estimate.glsdc_model import Implicit, Measurement, Phase, RotatedMeasurement, Unknown
+from synth.errors import SignalError
+from synth.signals import Signal, signal_names
+from synth.statespace import Array, readonly
+
+MOST_POWER = 6  # of a polynomial in a sine, in the Jacobian
+ROUNDING = 1e-5  # relative, of a variance at its limit
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A measurement model, whitened: `whitening` W (m, m) and `scale` s of the whitened residuals.
+
+    The residuals of the channels in `angles` are wrapped into half the width of their ranges, which is one turn.
+    `phase_function` maps (q (n,), cosines and sines of the periodic unknowns, constants) to the phases, and
+    `phase_changes` their changes to those of the phases, if these are affine in them; `function` maps
+    these, cosines and sines of the phases, and channels, to residuals (m,), H (m, n) and the unit vectors (m, m), by
+    columns, along which an error of each channel acts on the whitened residuals.
+    """
+
+    channels: tuple[Signal, ...]
+    angles: frozenset[str]
+    unknowns: tuple[Unknown, ...]
+    phases: tuple[Phase, ...]
+    whitening: Array
+    scale: float
+    phase_function: ca.Function
+    phase_changes: ca.Function | None
+    function: ca.Function
+    used: frozenset[str]
+    is_implicit: bool
+
+    @property
+    def turning(self) -> tuple[Unknown, ...]:
+        """The unknowns with a phasor."""
+        return tuple(u for u in self.unknowns if u.rate)
+
+    @property
+    def prior_weights(self) -> tuple[float, ...]:
+        """s^2 over the variance of each prior, 0 for none."""
+        return tuple(0.0 if u.prior == inf else (self.scale / u.prior) ** 2 for u in self.unknowns)
+
+    @property
+    def floors(self) -> tuple[float, ...]:
+        """The least pivots: s^2 / largest_deviation^2."""
+        return tuple((self.scale / u.largest_deviation) ** 2 for u in self.unknowns)
+
+    @property
+    def weak_from(self) -> tuple[float, ...]:
+        """The variances over s^2 from which an unknown is not determined to its largest deviation."""
+        return tuple((1 - ROUNDING) / floor for floor in self.floors)
+
+    @property
+    def is_diagonal(self) -> bool:
+        """Whether the errors of the channels are independent."""
+        return not np.tril(self.whitening, -1).any()
+
+    def whiten(self, residuals: Sequence[ca.SX]) -> list[ca.SX]:
+        """Return W times residuals (m,), those of angles wrapped."""
+        differences = []
+        for channel, d in zip(self.channels, residuals, strict=True):
+            if channel.name in self.angles:
+                turn = channel.high - channel.low
+                d = ca.if_else(d > turn / 2, d - turn, d)
+                d = ca.if_else(d < -turn / 2, d + turn, d)
+            differences.append(d)
+        return ca.vertsplit(ca.sparsify(ca.DM(self.whitening)) @ ca.vcat(differences))
+
+
+def model(
+    h: Measurement | Implicit | RotatedMeasurement,
+    R: Array,
+    channels: Sequence[Signal],
+    angles: Sequence[str],
+    unknowns: Sequence[Unknown],
+    phases: Sequence[Phase],
+    constants: Sequence[Constant],
+) -> Model:
+    """Return the whitened model.
+
+    Raises ModelError for a covariance that is not positive definite or too few channels, and SignalError for names that
+    are repeated, angles that are not channels, and a function that does not return a value for each channel.
+    """
+    channels, unknowns, phases = tuple(channels), tuple(unknowns), tuple(phases)
+    glsdc_declared.check(R, channels, unknowns)
+    glsdc_declared.check_angles(angles, channels)
+    if isinstance(h, RotatedMeasurement):
+        glsdc_declared.check_pairs(h, R, channels, unknowns)
+    of = _symbols(channels, unknowns, phases, constants)
+    q, k = laws.NamedSymbols("h: the unknowns", of.known), laws.NamedSymbols("h: the constants", of.k)
+    if isinstance(h, RotatedMeasurement):
+        _require_values(laws.evaluate("h", h.fixed, q, k), of)
+    turns = _turns(phases, of, q, k)
+    residuals = _residuals(h, of, q, k)
+    whitening, scale = _whitening(R)
+    slopes = [_derivative(ca.vcat(turns), u, of) for u in unknowns]
+    moving, turning = _fixed_axes(h, of, q, k) if isinstance(h, RotatedMeasurement) else (residuals, {})
+    columns = [
+        _derivative(moving, u, of) + _by_phases(moving, s, of) + turning.get(u.name, 0)
+        for u, s in zip(unknowns, slopes, strict=True)
+    ]
+    H = -(ca.sparsify(ca.DM(whitening)) @ ca.hcat(columns))
+    phase_function = ca.Function("phases", [*of.vectors[:3], of.vectors[5]], [ca.vcat(turns)])
+    phase_changes = _phase_changes(ca.vcat(turns), of)
+    norms = ca.sparsify(ca.DM(np.diag(1 / np.linalg.norm(whitening, axis=0))))
+    directions = ca.sparsify(ca.DM(whitening)) @ ca.jacobian(residuals, ca.vcat(list(of.y.values()))) @ norms
+    function = ca.Function("model", of.vectors, [residuals, H, directions])
+    used = frozenset(v.name().partition("_")[2] for v in ca.symvar(ca.vertcat(residuals, *turns)))
+    arrays = readonly(whitening), scale, phase_function, phase_changes, function
+    return Model(channels, frozenset(angles), unknowns, phases, *arrays, used, not callable(h))
+
+
+@dataclass(frozen=True, eq=False)
+class _Symbols:
+    """Symbols by name: unknowns q, cosine and sine of the periodic ones and of the phases, constants k, channels y."""
+
+    q: dict[str, ca.SX]
+    turns: dict[str, tuple[ca.SX, ca.SX]]
+    phases: dict[str, tuple[ca.SX, ca.SX]]
+    k: dict[str, ca.SX]
+    y: dict[str, ca.SX]
+
+    @property
+    def known(self) -> dict[str, ca.SX]:
+        """What h sees: unknowns, cosines and sines."""
+        phasors = (self.turns | self.phases).items()
+        return self.q | {f"{f}_{n}": v for n, pair in phasors for f, v in zip(("cos", "sin"), pair, strict=True)}
+
+    @property
+    def vectors(self) -> list[ca.SX]:
+        """The arguments of the model's function."""
+        pairs = [[pair[i] for pair in group.values()] for group in (self.turns, self.phases) for i in (0, 1)]
+        return [ca.vcat(list(each)) for each in (self.q.values(), *pairs, self.k.values(), self.y.values())]
+
+
+def _symbols(
+    channels: Sequence[Signal], unknowns: Sequence[Unknown], phases: Sequence[Phase], constants: Sequence[Constant]
+) -> _Symbols:
+    def pair(name: str) -> tuple[ca.SX, ca.SX]:
+        return ca.SX.sym(f"cos_{name}"), ca.SX.sym(f"sin_{name}")
+
+    return _Symbols(
+        {n: ca.SX.sym(n) for n in signal_names([u.signal for u in unknowns])},
+        {u.name: pair(u.name) for u in unknowns if u.rate},
+        {p.name: pair(p.name) for p in phases},
+        {c.name: ca.SX.sym(c.name) for c in constants},
+        {n: ca.SX.sym(n) for n in signal_names(channels)},
+    )
+
+
+def _residuals(h: Measurement | Implicit | RotatedMeasurement, of: _Symbols, q: Exprs, k: Exprs) -> ca.SX:
+    """Return the residuals (m,): y - h, or those of an Implicit model."""
+    y = laws.NamedSymbols("h: the channels", of.y)
+    values = laws.evaluate("h", h, q, k) if callable(h) else laws.evaluate("h", h.residual, q, y, k)
+    _require_values(values, of)
+    exprs = laws.scalars("h", values)
+    symbols = [*q.values(), *k.values(), *y.values()]
+    laws.check_symbols("h", list(exprs.values()), symbols)
+    laws.check_numbers("h", exprs, symbols)
+    return ca.vcat([symbol - exprs[n] if callable(h) else exprs[n] for n, symbol in of.y.items()])
+
+
+def _turns(phases: Sequence[Phase], of: _Symbols, q: Exprs, k: Exprs) -> list[ca.SX]:
+    """Return the angles of the phases."""
+    turns = {p.name: laws.evaluate(f"phase '{p.name}'", p.angle, q, k) for p in phases}
+    exprs = laws.scalars("a phase", turns)
+    laws.check_symbols("a phase", list(exprs.values()), [*q.values(), *of.k.values()])
+    return list(exprs.values())
+
+
+def _require_values(values: object, of: _Symbols) -> None:
+    if not isinstance(values, Mapping):
+        raise SignalError(f"h returns {arguments.describe(values)}: return a mapping of each channel to its value")
+    laws.require_names("h", list(of.y), values)
+
+
+def _fixed_axes(h: RotatedMeasurement, of: _Symbols, q: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """Return -f (m,) of a RotatedMeasurement, and what the turn adds to its derivative by the angle."""
+    f = laws.evaluate("h", h.fixed, q, k)
+    turning = h.turning(f)
+    return ca.vcat([-f[n] for n in of.y]), {h.angle: ca.vcat([-turning[n] for n in of.y])}
+
+
+def _phase_changes(turns: ca.SX, of: _Symbols) -> ca.Function | None:
+    """Return the function of `phase_function`'s arguments with changes in place of values, None if it is not affine."""
+    moving = ca.vertcat(*of.vectors[:3])
+    slopes = ca.jacobian(turns, moving)
+    if ca.depends_on(slopes, moving):
+        return None
+    return ca.Function("changes", [*of.vectors[:3], of.vectors[5]], [slopes @ moving])
+
+
+def _derivative(of: ca.SX, u: Unknown, symbols: _Symbols) -> ca.SX:
+    """Return the derivative of a column by an unknown and by its cosine and sine, with the phases fixed."""
+    column = ca.jacobian(of, symbols.q[u.name])
+    if u.rate:
+        c, s = symbols.turns[u.name]
+        column += u.rate * (c * ca.jacobian(of, s) - s * ca.jacobian(of, c))
+    return column
+
+
+def _by_phases(of: ca.SX, slopes: ca.SX, symbols: _Symbols) -> ca.SX:
+    """Return the derivative of a column by way of the phases, whose own derivatives are the slopes."""
+    pairs = enumerate(symbols.phases.values())
+    return sum(((c * _slope(of, s) - s * _slope(of, c)) * slopes[i] for i, (c, s) in pairs), ca.SX(0))
+
+
+def _slope(of: ca.SX, by: ca.SX) -> ca.SX:
+    """Return the derivative of a column by a cosine or a sine; a polynomial in its square takes half the products."""
+    column = ca.jacobian(of, by)
+    for i in column.sparsity().row():
+        column[i] = -_even_polynomial(-column[i], by)  # of y - h, as it stands in h
+    return column
+
+
+def _even_polynomial(of: ca.SX, by: ca.SX) -> ca.SX:
+    """Return a polynomial of even powers up to MOST_POWER by Horner's rule in the square, anything else as it is."""
+    coefficients, derivative = [], of
+    for power in range(MOST_POWER + 1):
+        number, product = _factors(ca.substitute(derivative, by, 0))
+        coefficients.append(number / factorial(power) * product)
+        derivative = ca.jacobian(derivative, by)
+    odd = any(not c.is_zero() for c in coefficients[1::2])
+    if odd or ca.depends_on(derivative, by) or not derivative.is_zero():
+        return of
+    value = coefficients[-1]
+    for coefficient in reversed(coefficients[:-2:2]):
+        value = coefficient + by**2 * value
+    return value
+
+
+def _factors(of: ca.SX) -> tuple[float, ca.SX]:
+    """Return an expression as a number times the rest; sums of multiples of one expression are one multiple."""
+    if of.is_constant():
+        return float(of), ca.SX(1)
+    if of.op() not in (ca.OP_MUL, ca.OP_NEG, ca.OP_TWICE, ca.OP_ADD):
+        return 1.0, of
+    parts = [_factors(of.dep(i)) for i in range(of.n_dep())]
+    if of.op() == ca.OP_MUL:
+        return parts[0][0] * parts[1][0], parts[0][1] * parts[1][1]
+    if of.op() in (ca.OP_NEG, ca.OP_TWICE):
+        return parts[0][0] * (2 if of.op() == ca.OP_TWICE else -1), parts[0][1]
+    if of.op() == ca.OP_ADD and ca.is_equal(parts[0][1], parts[1][1], 9):
+        return parts[0][0] + parts[1][0], parts[0][1]
+    return 1.0, of
+
+
+def _whitening(R: Array) -> tuple[Array, float]:
+    """Return W and s with W R W' = s^2 I."""
+    variances = R.diagonal()
+    if not np.any(R - np.diag(variances)):
+        if (variances == variances[0]).all():
+            return np.eye(len(R)), float(np.sqrt(variances[0]))
+        return np.diag(1 / np.sqrt(variances)), 1.0
+    return np.tril(np.linalg.inv(np.linalg.cholesky(R))), 1.0

@@ -1,0 +1,270 @@
+"""Integrity monitor of a weighted least-squares estimator: test, protection levels and exclusion in each sample.
+
+    excluded = 0:  valid needs c <= T;      protection levels of the test
+    excluded = k:  valid needs c_k <= T_1;  protection levels of the separations from hypothesis k
+
+A converged sample whose c exceeds T excludes the group of the hypothesis with the least cost from the next sample on;
+one whose c does not takes every channel in again. A group is a channel, or several that fail together. One that a check
+in front has refused is excluded in the same sample. The c and the hypotheses that decide on this are of all channels,
+linear about the estimate in use, or with a search about the prediction of the track: a large fault moves the estimate
+out of the linear range, and not the prediction. With a held Jacobian these hypotheses also leave the group out of the
+corrections (`glsdc_exclusion`). Nothing is valid where a fault of some group is not detectable.
+
+    doubted        since a group is excluded, another hypothesis has passed in a sample with a level above its limit
+
+Which group is at fault is then not known, and following the wrong one takes the prediction out of the range in which
+the right hypothesis is linear: that it fails its test later says nothing. A doubted estimate is not valid until every
+channel is taken in again. A group that the check in front has refused is not in doubt.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from synth.block import Exprs, State, clip
+from synth.blocks.estimate import glsdc, glsdc_exclusion, glsdc_integrity, glsdc_solution
+from synth.blocks.estimate.glsdc import LdlFactors, Solution, Vector
+from synth.blocks.estimate.glsdc_exclusion import Separation
+from synth.blocks.estimate.glsdc_integrity import ROUNDING, Hypotheses, Integrity, Thresholds
+from synth.blocks.estimate.glsdc_jacobian import Model
+from synth.blocks.estimate.glsdc_linearisation import Linearisation
+from synth.blocks.estimate.glsdc_solution import DYNAMIC_RANGE, Iteration, Problem
+from synth.blocks.estimate.screening import SCREENED
+from synth.errors import ModelError, SignalError
+from synth.signals import Signal
+
+LEVEL_RANGE = 100.0  # limits: a larger protection level is not resolved
+DOUBTED = Signal("doubted", "1", 0, 1, "another group than the excluded one may be at fault")
+
+
+@dataclass(frozen=True, eq=False)
+class Monitor:
+    """The monitor of a model, its `groups` of channels by index, its thresholds, and T_1 of each group."""
+
+    model: Model
+    integrity: Integrity
+    groups: tuple[tuple[int, ...], ...]
+    thresholds: Thresholds
+    hypothesis: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """Whether the sample passes its test, its protection levels by unknown, whether they are within their limits
+    without a doubt, and with exclusion the next states of the monitor.
+    """
+
+    passes: ca.SX
+    levels: Exprs
+    within: ca.SX
+    next: Exprs
+
+
+def monitor(model: Model, integrity: Integrity) -> Monitor:
+    """Return the monitor of a model.
+
+    Raises SignalError for limits of other names, and ModelError without redundancy, for a prior about the prediction,
+    or exclusion with dependent channels or residuals that mix channels of several groups.
+    """
+    groups = integrity.index_groups([s.name for s in model.channels])
+    largest = max(map(len, groups))
+    names, priors = [u.name for u in model.unknowns], [u for u in model.unknowns if u.prior < np.inf]
+    if not integrity.limits or not set(integrity.limits) <= set(names):
+        raise SignalError(f"the limits are of {', '.join(integrity.limits) or 'none'}: give some of {', '.join(names)}")
+    for u in priors:
+        if u.prior_value is None:
+            raise ModelError(
+                f"the prior of '{u.name}' is about the prediction, which carries a fault from sample to sample, past "
+                "the test: give a prior_value, or no prior"
+            )
+    if integrity.screened and not integrity.exclude:
+        raise ModelError("the channels are screened without exclusion: a refused group needs exclude=True")
+    if integrity.exclude and not model.is_diagonal:
+        raise ModelError("R has covariances: exclusion needs channels whose errors are independent")
+    if integrity.exclude and not _is_blockwise(model, groups):
+        raise ModelError("a residual depends on channels of several groups: exclusion needs residuals of one each")
+    freedom = len(model.channels) + len(priors) - len(names)
+    if freedom < (1 + largest if integrity.exclude else 1):
+        raise ModelError(
+            f"{len(model.channels)} channels and {len(priors)} priors for {len(names)} unknowns: a test needs one more "
+            f"channel than unknowns, exclusion of {largest} together {1 + largest} more"
+        )
+    by_size = {
+        n: glsdc_integrity.thresholds(freedom, integrity.false_alarm, integrity.risk, n) for n in map(len, groups)
+    }
+    hypothesis = tuple(by_size[len(group)].hypothesis for group in groups)
+    return Monitor(model, integrity, groups, by_size[largest], hypothesis)
+
+
+def _is_blockwise(model: Model, groups: Sequence[Sequence[int]]) -> bool:
+    """Whether the error of a channel acts on residuals of its own group only."""
+    acting = model.function.sparsity_out(2)
+    return all(acting.has_nz(i, j) <= (i in group) for group in groups for j in group for i in range(acting.size1()))
+
+
+def states(of: Monitor) -> list[State]:
+    """Return the states of the monitor."""
+    return [State(excluded_number(of), 0, True), State(DOUBTED, 0, True)] if of.integrity.exclude else []
+
+
+def outputs(of: Monitor) -> list[Signal]:
+    """Return the protection levels and, with exclusion, the number of the excluded channel."""
+    levels = [_level(of, u.name, u.signal.unit) for u in of.model.unknowns if u.name in of.integrity.limits]
+    return [*levels, *([excluded_number(of), DOUBTED] if of.integrity.exclude else [])]
+
+
+def _level(of: Monitor, name: str, unit: str) -> Signal:
+    fault = "one channel" if all(len(group) == 1 for group in of.groups) else "one group of channels"
+    about = (
+        f"protection level of {name}: with errors of the covariance R, a fault in {fault} moves it by more only with "
+        "the declared risk"
+    )
+    return Signal(f"protection_{name}", unit, 0, LEVEL_RANGE * of.integrity.limits[name], about)
+
+
+def excluded_number(of: Monitor) -> Signal:
+    """Return the signal with the number of the excluded group, 0 for none."""
+    what = "channel" if all(len(group) == 1 for group in of.groups) else "group of channels"
+    return Signal("excluded", "1", 0, len(of.groups), f"number of the {what} excluded as faulty, 0 for none")
+
+
+def inputs(of: Monitor) -> list[Signal]:
+    """Return the results of the check in front of channels that are screened."""
+    about = "number of the group of channels that is refused or frozen, 0 for none"
+    return [SCREENED, Signal("rejected", "1", 0, len(of.groups), about)]
+
+
+def with_rejection(of: Monitor, u: Exprs, x: Exprs) -> Exprs:
+    """Return the states with the group that is excluded in this sample: the refused one, else the one of the states.
+
+    ``certain`` tells whether it is the refused one.
+    """
+    if not of.integrity.screened:
+        return {**x, "certain": ca.SX(0)}
+    certain = u["rejected"] > 0
+    excluded = clip(ca.if_else(certain, u["rejected"], x["excluded"]), excluded_number(of))
+    return {**x, "excluded": excluded, "certain": certain}
+
+
+def weights(of: Monitor, x: Exprs) -> Vector | None:
+    """Return the weight of each channel (m,), 0 for the excluded one; None without exclusion."""
+    if not of.integrity.exclude:
+        return None
+    number = {j: k for k, group in enumerate(of.groups) for j in group}
+    groups = range(len(of.groups))
+    none = x["excluded"] < 1
+    included = [
+        ca.if_else(none, 1, glsdc_exclusion.choose(x["excluded"], [ca.SX(float(k != j)) for k in groups]))
+        for j in groups
+    ]
+    return [included[number[j]] for j in range(len(of.model.channels))]
+
+
+def solve(
+    of: Monitor | None, problem: Problem, iteration: Iteration, tracked: bool, x: Exprs
+) -> tuple[Solution[Any], Separation | None]:
+    """Return the solution of a sample, and the hypotheses about its prediction where the corrections use them."""
+    if of and of.integrity.exclude and tracked and iteration.held_jacobian:
+        return glsdc_exclusion.solve(problem, iteration, of.groups, x["excluded"], _axes(of))
+    return glsdc_solution.solve(problem, iteration), None
+
+
+def judge(
+    of: Monitor, solution: Solution[Any], about: Separation | None, tracked: bool, cost: ca.SX, sigmas: Vector, x: Exprs
+) -> Judgement:
+    """Return the judgement of a sample with its least cost c s^2 and its deviations (n,).
+
+    The hypotheses, unless those of `about`, are linear about the prediction if it is `tracked`, else the solution.
+    """
+    if of.integrity.exclude:
+        decides = ca.SX(1) if tracked else solution.converged
+        trial = solution.first if tracked else solution.last
+        if about is None:
+            about = glsdc_exclusion.separate(of.model, of.groups, trial, _single(of, trial.normal.linear))
+        moved = [end - begin for end, begin in zip(solution.at, trial.at, strict=True)]
+        return _judge_hypotheses(of, about, moved, decides, cost, sigmas, x)
+    normal = solution.last.normal
+    faults = _hypotheses(of, normal.factors, normal.linear)
+    levels = {
+        i: glsdc_integrity.detected_level(faults, i, of.thresholds, of.model.scale, sigmas[i])
+        for i in _limit_indices(of)
+    }
+    passes = cost <= of.thresholds.test * of.model.scale**2
+    return _judgement(of, passes, levels, faults, ca.SX(1))
+
+
+def _judge_hypotheses(
+    of: Monitor, about: Separation, moved: Vector, decides: ca.SX, cost: ca.SX, sigmas: Vector, x: Exprs
+) -> Judgement:
+    """Return the judgement from the hypotheses about a trial, from which the solution is `moved` (n,) away."""
+    model, variance = of.model, of.model.scale**2
+    faults, full, full_cost = about.faults, about.full, about.cost
+    costs = glsdc_integrity.costs(faults, full.scores, full_cost)
+    # The excluded group counts as passing: its hypothesis is the estimate in use, whose variance the levels need.
+    passing = [
+        ca.logic_or(c <= limit * variance + ROUNDING * full_cost, x["excluded"] == k)
+        for k, (c, limit) in enumerate(zip(costs, of.hypothesis, strict=True), 1)
+    ]
+    none, levels = x["excluded"] == 0, {}
+    for i in _limit_indices(of):
+        separated = glsdc_integrity.separated_level(
+            faults, i, full, passing, moved[i], of.thresholds.deviations * model.scale
+        )
+        detected = glsdc_integrity.detected_level(faults, i, of.thresholds, model.scale, sigmas[i])
+        levels[i] = ca.if_else(none, detected, separated)
+    test = full_cost <= of.thresholds.test * variance
+    limit = ca.if_else(none, of.thresholds.test, _excluded_threshold(of, x))
+    passes = ca.logic_and(about.in_range, cost <= limit * variance)
+    best = ca.if_else(test, 0, glsdc_integrity.most_likely(costs))
+    excluded = clip(ca.if_else(decides, best, x["excluded"]), excluded_number(of))
+    made = _judgement(of, passes, levels, faults, none)
+    ambiguous = ca.logic_and(glsdc.total(passing) > 1, ca.logic_not(made.within))
+    doubted = ca.logic_or(x[DOUBTED.name], ambiguous)
+    doubted = ca.logic_and(ca.logic_not(ca.logic_or(none, x["certain"])), doubted)
+    within = ca.logic_and(made.within, ca.logic_not(doubted))
+    return replace(made, within=within, next={"excluded": excluded, DOUBTED.name: doubted})
+
+
+def _excluded_threshold(of: Monitor, x: Exprs) -> ca.SX | float:
+    """Return T_1 of the excluded group."""
+    if len(set(of.hypothesis)) == 1:
+        return of.hypothesis[0]
+    return glsdc.total((x["excluded"] == k) * limit for k, limit in enumerate(of.hypothesis, 1))
+
+
+def _hypotheses(of: Monitor, factors: LdlFactors, linear: Linearisation) -> Hypotheses:
+    return glsdc_integrity.hypotheses(of.groups, factors, _single(of, linear), of.model.floors, DYNAMIC_RANGE)
+
+
+def _single(of: Monitor, linear: Linearisation) -> Linearisation:
+    """Return a linearisation with the unit vectors of each group's own residuals, which span the same hypotheses."""
+    if not _is_blockwise(of.model, of.groups):
+        return linear
+    return replace(linear, directions=_axes(of))
+
+
+def _axes(of: Monitor) -> list[dict[int, ca.SX]]:
+    return [{j: ca.SX(1)} for j in range(len(of.model.channels))]
+
+
+def _limit_indices(of: Monitor) -> list[int]:
+    return [i for i, u in enumerate(of.model.unknowns) if u.name in of.integrity.limits]
+
+
+def _judgement(of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hypotheses, none: ca.SX) -> Judgement:
+    """Return the judgement with levels within their limits, or those while a group is excluded unless `none` is."""
+    by_name, within = {}, faults.detectable
+    for i, level in levels.items():
+        u = of.model.unknowns[i]
+        signal, limit = _level(of, u.name, u.signal.unit), of.integrity.limits[u.name]
+        by_name[signal.name] = clip(ca.if_else(faults.detectable, level, signal.high), signal)
+        within = ca.logic_and(within, by_name[signal.name] <= ca.if_else(none, limit, excluded_limit(of, u.name)))
+    return Judgement(passes, by_name, within, {})
+
+
+def excluded_limit(of: Monitor, name: str) -> float:
+    """Return the limit of the protection level of an unknown while a group is excluded, in its unit."""
+    return of.integrity.excluded_limits * of.integrity.limits[name]

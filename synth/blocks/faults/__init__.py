@@ -1,0 +1,1 @@
+"""What a controller does about faults: redundant sensors, isolation, landing, braking, excitation test."""

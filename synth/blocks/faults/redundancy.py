@@ -1,0 +1,218 @@
+"""Sensor fault detection, isolation and accommodation (FDIA): parity, innovations, and codes that stand still.
+
+    accepted readings y, expected readings y^ (predictions of the observers)  -->  readings to use, suspects
+
+A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relation a sensor (`analyse.parity`).
+
+    one reading of a group refused    the relation replaces it, y_i = -sum_{k != i} w_k y_k / w_i
+    two or more                       predictions replace them
+
+    contradiction   |r| > threshold, r = sum_i w_i y_i. It says that a sensor is wrong, and `isolation` which one; where
+                    that is not clear, all of the group are suspects after `undecided` samples, and all stay in use.
+
+A sensor without a group has an `innovation_monitor` of its own, which says whether it is trusted.
+
+A sensor that is named for `persistent` samples in a row is excluded until init, unless it was excluded because its code
+stood still and the code moves: the choice was wrong. The sensor is then used again, so that the wrong one may be found,
+and the group is undecided.
+
+``determined`` says that the groups measure their coordinates: at most one reading of each is replaced, and nothing is
+undecided. ``regular`` says that further no reading without a group is replaced. ``sufficient`` says that at most
+`tolerated` readings of each group are replaced.
+
+Source: Isermann, *Fault-Diagnosis Systems*, chapters 10 (parity) and 11 (observers); Patton, Chen, "Review of parity
+space approaches to fault diagnosis", 1994.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from synth import arguments
+from synth.analyse.structure.parity import Relation
+from synth.block import Block, Exprs, Step, build, clip
+from synth.blocks.faults import isolation, redundancy_signals
+from synth.blocks.faults.isolation import FRESH
+from synth.blocks.faults.redundancy_decision import Decision
+from synth.blocks.faults.redundancy_failures import of_redundancy
+from synth.blocks.guard import safety
+from synth.errors import SignalError
+from synth.signals import Signal, signal_names
+from synth.timing import Discrete
+
+__all__ = ["Decision", "block"]
+
+
+@arguments.checked
+def block(
+    time: Discrete,
+    sensors: Sequence[Signal],
+    relations: Sequence[Relation],
+    decision: Decision,
+) -> Block:
+    """Return the Block between the guard and the laws.
+
+    For each sensor s of a group it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; for
+    each other one ``<s>_usual``, ``<s>_suspect`` and ``<s>_trusted`` of its `innovation_monitor`; further ``ready`` and
+    ``complete``. Its outputs are ``<s>_held`` of the sensors of a group, ``suspect_<s>`` of all, ``regular``,
+    ``determined`` and ``sufficient``, and for the monitors ``sound``. While all readings are good and agree and no
+    sensor was ever a suspect, they pass, and nothing else is computed. ``degraded`` says that this is not so, once
+    ready.
+
+    Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
+    without a relation and without a gate, a gate or travel of an unknown sensor, or numbers of samples below 1.
+    """
+    names, by_name = signal_names(sensors), {s.name: s for s in sensors}
+    singles = _singles(names, relations, decision)
+    grouped = [s for s in sensors if s.name not in singles]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        group = signal_names(grouped)
+        y = {n: u[f"{n}_accepted"] for n in group}
+        same = {n: y[n] == x[f"code_{n}"] for n in group}
+        usable = {n: ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(x[f"excluded_{n}"])) for n in group}
+        next: dict[str, ca.SX] = {f"code_{n}": y[n] for n in group}
+        longest = decision.longest(False)
+        next |= {f"still_{n}": redundancy_signals.count(same[n], x[f"still_{n}"], longest) for n in group}
+        value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
+        determined, sufficient = ca.SX(1), ca.SX(1)
+        sound = calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
+        for i, relation in enumerate(relations):
+            vote = _vote(i, relation, by_name, u, x, next, usable, same, decision)
+            value |= vote.value
+            suspects |= vote.suspects
+            next |= vote.next
+            named += vote.named
+            determined = ca.if_else(vote.regular, determined, 0)
+            sufficient = ca.if_else(vote.sufficient, sufficient, 0)
+            calm = ca.logic_and(calm, vote.agreement)
+        regular = determined
+        for n in singles:
+            calm = ca.logic_and(calm, u[f"{n}_usual"])
+            suspects[n] = u[f"{n}_suspect"]
+            regular = ca.logic_and(u[f"{n}_trusted"], regular)
+        degraded = x["degraded"]
+        for flag in suspects.values():
+            degraded = ca.if_else(flag, 1, degraded)
+        unusual = {f"{n}_held": v for n, v in value.items()} | {f"suspect_{n}": suspects[n] for n in names}
+        unusual |= {"regular": regular, "sufficient": sufficient, "determined": determined}
+        usual = {f"{n}_held": y[n] for n in group} | {f"suspect_{n}": ca.SX(0) for n in names}
+        output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
+        output[safety.SOUND.name] = sound
+        output["degraded"] = ca.if_else(calm, 0, u["ready"])
+        decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_"))}
+        zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
+        next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
+        return Step(output, next, named, numbers=decision.numbers(by_name, relations))
+
+    made = build(
+        safety.REDUNDANCY, time, law,
+        inputs=redundancy_signals.inputs(grouped, singles),
+        outputs=redundancy_signals.outputs(sensors, grouped),
+        states=redundancy_signals.states(grouped, relations, decision),
+        tag="parity, innovations, frozen codes",
+    )  # fmt: skip
+    return replace(made, failures=of_redundancy(by_name, relations, singles, decision))
+
+
+@dataclass(frozen=True, eq=False)
+class _Vote:
+    value: dict[str, ca.SX]
+    suspects: dict[str, ca.SX]
+    next: dict[str, ca.SX]
+    regular: ca.SX
+    sufficient: ca.SX
+    agreement: ca.SX
+    named: list[tuple[Signal, ca.SX]]
+
+
+def _vote(
+    i: int,
+    relation: Relation,
+    signals: Mapping[str, Signal],
+    u: Exprs,
+    x: Exprs,
+    still: Exprs,
+    usable: Exprs,
+    same: Exprs,
+    decision: Decision,
+) -> _Vote:
+    """Return the readings of a group to use, its suspects and its next states, in one of three cases.
+
+    agreeing        all readings are usable and agree: they pass
+    contradictory   all are usable and do not agree: one may be named and replaced
+    incomplete      a reading is refused or excluded
+    """
+    weights, names = relation.weights, list(relation.weights)
+    y, expected = ({n: u[f"{n}_{of}"] for n in names} for of in ("accepted", "expected"))
+    r = sum((w * y[n] for n, w in weights.items()), start=ca.SX(0))
+    whole = ca.SX(1)
+    for n in names:
+        whole = ca.logic_and(whole, usable[n])
+    agreement = ca.fabs(r) <= relation.threshold
+    agrees = ca.logic_or(agreement, ca.logic_not(u["ready"]))
+    count, stuck, undecided = (x[f"{of}_{i}"] for of in ("contradictions", "stuck", "undecided"))
+    excluded, stands = {n: x[f"excluded_{n}"] for n in names}, {n: still[f"still_{n}"] for n in names}
+
+    def by_case(agreeing: ca.SX, contradictory: ca.SX, incomplete: ca.SX) -> ca.SX:
+        return ca.if_else(whole, ca.if_else(agrees, agreeing, contradictory), incomplete)
+
+    direction = {n: ca.if_else(r > 0, w, -w) for n, w in weights.items()}
+    E = {n: direction[n] * (y[n] - expected[n]) for n in names}
+    score, best, clear = isolation.isolate(names, E, stands, ca.fabs(r), undecided)
+    least = ca.if_else(clear, best, 2 * isolation.PREFERENCE)
+    isolated = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
+    final = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0)
+    left_out_now = {n: isolated[n] * final for n in names}
+    stuck_now = sum((ca.if_else(stands[n] >= FRESH, left_out_now[n], 0.0) for n in names), start=ca.SX(0))
+    moves = {n: ca.logic_and(ca.logic_not(same[n]), ca.logic_not(u[f"fault_{n}"])) for n in names}
+    readmitted = {n: ca.logic_and(stuck, ca.logic_and(excluded[n], moves[n])) for n in names}
+    missing = sum((ca.if_else(usable[n], 0, 1) for n in names), start=ca.SX(0))
+    waited = ca.if_else(count >= decision.undecided - 1, 1, undecided)
+    wrong_choice = ca.SX(0)
+    for n in names:
+        wrong_choice = ca.logic_or(wrong_choice, readmitted[n])
+    doubted = ca.if_else(wrong_choice, 1, undecided)
+    left_out = {n: ca.logic_and(excluded[n], ca.logic_not(readmitted[n])) for n in names}
+    value, suspects = {}, {}
+    for n, w in weights.items():
+        predicted = ca.if_else(missing <= 1, y[n] - r / w, expected[n])
+        corrected, replaced = y[n] - isolated[n] * r / w, ca.if_else(usable[n], y[n], predicted)
+        value[n] = by_case(y[n], clip(corrected, signals[n]), clip(replaced, signals[n]))
+        suspects[n] = ca.if_else(by_case(undecided, isolated[n] + waited, excluded[n] + doubted) > 0, 1, 0)
+    next = {
+        f"contradictions_{i}": by_case(
+            ca.SX(0), redundancy_signals.count(ca.SX(1), count, decision.undecided), ca.SX(0)
+        ),
+        f"stuck_{i}": by_case(stuck, ca.if_else(stuck_now + stuck > 0, 1, 0), stuck),
+        f"undecided_{i}": by_case(undecided, waited, doubted),
+        **{f"excluded_{n}": by_case(excluded[n], left_out_now[n], left_out[n]) for n in names},
+    }
+    regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
+    sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
+    shown = isolation.signals(i, signals[names[0]].unit, r, E, score)
+    return _Vote(value, suspects, next, regular, sufficient, agreement, shown)
+
+
+def _singles(names: Sequence[str], relations: Sequence[Relation], decision: Decision) -> list[str]:
+    """Return the sensors without a relation; raise SignalError for a declaration that does not fit."""
+    related = [n for r in relations for n in r.weights]
+    for n in related:
+        if n not in names or related.count(n) > 1 or any(len(r.weights) < 2 for r in relations):
+            raise SignalError(
+                f"the relations name '{n}': name at least two of {', '.join(names)} in each, and each sensor once"
+            )
+    if unknown := [n for n in (*decision.gate, *decision.travel, *decision.jump) if n not in names]:
+        raise SignalError(
+            f"the decision has a gate, travel or jump of '{unknown[0]}', and the sensors are {names}: give a sensor"
+        )
+    singles = [n for n in names if n not in related]
+    for n in singles:
+        decision.require(n)
+    if decision.persistent < 1 or decision.undecided < decision.persistent:
+        raise SignalError(
+            f"a sensor is excluded after {decision.persistent} samples and a group undecided after "
+            f"{decision.undecided}: give at least 1, and no fewer for the second"
+        )
+    return singles

@@ -1,0 +1,1 @@
+"""The input guard, bad samples and missed calls, the latch, and the safe output."""

@@ -1,0 +1,1 @@
+"""Control laws as Blocks: linear models, regulators, servo axes, lead-lag, lookup tables, maps of errors."""

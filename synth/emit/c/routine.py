@@ -1,0 +1,239 @@
+"""Routines: the function that several Blocks have in common, as a program of its own."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from synth.block import ComputedSignal
+from synth.emit.c.expressions import HELPERS, RESERVED
+from synth.emit.c.naming import Naming
+from synth.emit.passes.outline import Form, Part
+from synth.emit.program import words
+from synth.emit.program.lower import Node, Program
+from synth.emit.proof.kinds import kinds
+
+Group = list[tuple[Part, Form]]
+BY_VALUE = 3  # numbers that need no struct, where the code reads each of them
+LARGE = 60  # operations of a function that is worth its calls where the size of the code counts
+LOADS = ("input", "state", "constant", "literal", "argument", "parameter")
+TAKEN = {*HELPERS, "init", "step", "input", "output", "state", "hold", "hold_within", "replace", "replace_within"}
+
+
+class Argument(NamedTuple):
+    """What a Routine is passed or returns: its name there and what C holds it in."""
+
+    name: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class Routine:
+    """A part that several Blocks have in common.
+
+    `states` are the local names of the states it reads, those it stores first; `parameters` the local names of the
+    numbers that differ.
+    """
+
+    name: str
+    program: Program
+    arguments: tuple[Argument, ...]
+    parameters: tuple[str, ...]
+    results: tuple[Argument, ...]
+    states: tuple[str, ...]
+    constants: Mapping[str, str]
+
+    @property
+    def by_value(self) -> bool:
+        """Whether the parameters are passed as numbers."""
+        return self.program.by_value
+
+    @property
+    def is_large(self) -> bool:
+        """Whether a compiler that optimises for size need not inline it."""
+        return sum(n.op not in LOADS for n in self.program.nodes) >= LARGE
+
+
+@dataclass(frozen=True)
+class Call:
+    """One use of a Routine: the Block, and by parameter the node's constant or number in the caller's program."""
+
+    routine: Routine
+    block: str
+    numbers: tuple[Node, ...]
+    result_names: tuple[str, ...]
+    states: Mapping[str, str]
+
+    @property
+    def parameters(self) -> str:
+        """The name of the struct of its numbers."""
+        return f"{self.block}_{self.routine.name}"
+
+
+class Names:
+    """Names of one function, each given once."""
+
+    def __init__(self, taken: set[str]) -> None:
+        self.taken = taken
+
+    def free(self, name: str) -> str:
+        """Return an unused name that begins with `name`, and reserve it."""
+        free, n = name, 2
+        while free in self.taken:
+            free, n = f"{name}_{n}", n + 1
+        self.taken.add(free)
+        return free
+
+
+def routine(p: Program, group: Group, taken: Names, constants: Mapping[str, float]) -> Routine:
+    """Return the function that the Parts of a group have in common."""
+    return _Builder(p, group, constants).routine(taken)
+
+
+def different(p: Program, group: Group, constants: Mapping[str, float]) -> list[int]:
+    """Return the places of the numbers that are not the same in every Part of a group, nor minus such a number."""
+    columns, negatives = zip(*(form.numbers for _, form in group), strict=True), _negatives(p, group)
+    several = [k for k, column in enumerate(columns) if len({_value(p.nodes[n], constants) for n in column}) > 1]
+    return [k for k in several if k not in negatives]
+
+
+def _negatives(p: Program, group: Group) -> dict[int, int]:
+    """Return by place of a number the place of another one, of which it is the negative in every Part of a group."""
+    columns = zip(*([p.nodes[n] for n in form.numbers] for _, form in group), strict=True)
+    signed = [tuple((n.name, n.value if n.op == "literal" else math.copysign(1, n.value)) for n in c) for c in columns]
+    places = {column: k for k, column in enumerate(signed)}
+    opposite = {k: places.get(tuple((name, -value) for name, value in column)) for k, column in enumerate(signed)}
+    return {k: of for k, of in opposite.items() if of is not None and all(value < 0 for _, value in signed[k])}
+
+
+def name(p: Program, k: int) -> str:
+    """Return what a node is called in the program: its signal, what it loads, or the state that it becomes."""
+    node = p.nodes[k]
+    named = next((n.signal.name for n, at in p.marks if at == k), "")
+    state = next((f"{s}_next" for s, at in p.next.items() if at == k or k in p.nodes[at].args[1:]), "")
+    return named or node.name or state
+
+
+def _value(node: Node, constants: Mapping[str, float]) -> float:
+    return (-1.0 if node.value < 0 else 1.0) * constants[node.name] if node.op == "constant" else node.value
+
+
+class _Builder:
+    """Builds a Routine from the nodes of a group's first Part."""
+
+    def __init__(self, p: Program, group: Group, constants: Mapping[str, float]) -> None:
+        self.p, self.group, self.kind = p, group, kinds(p)
+        self.part, self.form = group[0]
+        self.part_name = words.common([part.block for part, _ in group]) or self.part.block
+        self.names = Names({*RESERVED, "state", "parameters"})
+        self.arguments = {k: self._argument(column) for k, column in self._columns("arguments")}
+        self.parameters = {
+            self.form.numbers[place]: self.names.free(self._number(place) or self._role(self.form.numbers[place]))
+            for place in different(p, group, constants)
+        }
+        self.negatives = {self.form.numbers[k]: self.form.numbers[of] for k, of in _negatives(p, group).items()}
+        self.nodes: list[Node] = []
+        self.index: dict[int, int] = {}
+        self.constants: dict[str, str] = {}
+
+    def routine(self, taken: Names) -> Routine:
+        part = self.part
+        places = [self._place(k) for k in self.form.results]
+        next = {part.local[state]: self._place(k) for state, k in part.next.items()}
+        made = self._program(next)
+        naming = Naming(made, {}, {})
+        results = [
+            Argument(
+                self.names.free(self._common(column) or self._label(column) or naming.name(at)), self.kind[column[0]]
+            )
+            for at, (_, column) in zip(places, self._columns("results"), strict=True)
+        ]
+        made = replace(made, returns={r.name: at for r, at in zip(results, places, strict=True)})
+        states = dict.fromkeys((*next, *(n.name for n in self.nodes if n.op == "state")))
+        parameters, arguments = tuple(self.parameters.values()), tuple(self.arguments.values())
+        free = taken.free(f"{self.part_name}_{part.phase}" if part.phase else self.part_name)
+        return Routine(free, made, arguments, parameters, tuple(results), tuple(states), self.constants)
+
+    def _program(self, next: dict[str, int]) -> Program:
+        part, p = self.part, self.p
+        marks = tuple(
+            (ComputedSignal(n.signal, self.part_name, n.tag), self.index[k])
+            for n, k in p.marks
+            if k in part.region and k not in part.results and k in self.index
+        )
+        return Program(
+            tuple(self.nodes),
+            marks,
+            {},
+            next,
+            frozenset(local for state, local in part.local.items() if state in p.integers),
+            polynomials=p.polynomials,
+            by_value=len(self.parameters) <= BY_VALUE and self._reads_parameters(),
+            typed={a.name: a.kind for a in self.arguments.values()},
+            labels={self.index[k]: name for k, name in p.labels.items() if k in part.region and k in self.index},
+        )
+
+    def _reads_parameters(self) -> bool:
+        """Tell whether the code reads each parameter: one that only a comment for Frama-C reads needs a struct."""
+        read = {a for n in self.nodes for a in (n.args[:1] if n.op == "within" else n.args)}
+        unread = {n.name for k, n in enumerate(self.nodes) if n.op == "parameter" and k not in read}
+        return unread <= {self.nodes[k].name for k in read}
+
+    def _columns(self, field: str) -> list[tuple[int, tuple[int, ...]]]:
+        """Return for each argument or result the node in the first Part and those in all Parts."""
+        columns = zip(*(getattr(form, field) for _, form in self.group), strict=True)
+        return [(column[0], column) for column in columns]
+
+    def _place(self, k: int) -> int:
+        if k not in self.index:
+            node = self._node(k)
+            self.nodes.append(node)
+            self.index[k] = len(self.nodes) - 1
+        return self.index[k]
+
+    def _node(self, k: int) -> Node:
+        """Return a node of the Part as it is in the Routine."""
+        node = self.p.nodes[k]
+        if k in self.part.region:
+            return replace(node, args=tuple(self._place(a) for a in node.args))
+        if k in self.arguments:
+            return Node("argument", name=self.arguments[k].name)
+        if node.op == "state":
+            return replace(node, name=self.part.local[node.name])
+        if self.negatives.get(k, k) in self.parameters:
+            return Node("parameter", name=self.parameters[self.negatives.get(k, k)], value=-float(k in self.negatives))
+        if node.op == "constant" or node.name:
+            local = next((local for local, name in self.constants.items() if name == node.name), "")
+            local = local or self.names.free(self._number(self.form.numbers.index(k)) or node.name)
+            self.constants[local] = node.name
+            return replace(node, name=local)
+        return node
+
+    def _argument(self, column: Sequence[int]) -> Argument:
+        return Argument(self.names.free(self._common(column) or self._label(column) or "value"), self.kind[column[0]])
+
+    def _common(self, column: Sequence[int]) -> str:
+        return words.common([name(self.p, k) for k in column]).removeprefix(f"{self.part_name}_")
+
+    def _label(self, column: Sequence[int]) -> str:
+        return words.common([self.p.labels.get(k, "") for k in column])
+
+    def _number(self, place: int) -> str:
+        """Return what the Parts call a number, without the Blocks' names."""
+        names = [self.p.nodes[form.numbers[place]].name for _, form in self.group]
+        common = words.common(names) if all(names) else ""
+        short = common.removeprefix(f"{self.part_name}_")
+        return short if short.isidentifier() else common
+
+    def _role(self, number: int) -> str:
+        """Return what a number without a name is to the operation that reads it."""
+        at = next(k for k in sorted(self.part.region) if number in self.p.nodes[k].args)
+        reader = self.p.nodes[at]
+        place = reader.args.index(number)
+        if reader.op == "within":
+            return f"{'least' if place == 1 else 'largest'}_{name(self.p, at)}"
+        if reader.op in ("le", "lt"):
+            return "low" if place == 0 else "high"
+        if reader.op == "clamp" and place == 1:
+            return "low"
+        return {"clamp": "high", "mul": "factor", "min": "bound", "max": "bound"}.get(reader.op, "offset")

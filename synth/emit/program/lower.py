@@ -1,0 +1,298 @@
+"""Lowering: from a Block's CasADi expressions to a straight-line program in SSA form, in CasADi's order of computation.
+
+Common subexpressions are eliminated first. Marks record the intermediate signals of the composition. CasADi's pair of
+`if_else_zero` and a negated condition becomes a single choice again. The fault word is built bit by bit.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import groupby
+from typing import Any
+
+import casadi as ca
+
+from synth.block import Block, ComputedSignal
+from synth.emit.approx.polynomial import Polynomial
+from synth.emit.program import words
+from synth.emit.program.operations import BINARY, LOOKUP, UNARY
+from synth.errors import EmitError
+from synth.fault import Fault
+
+
+@dataclass(frozen=True)
+class Node:
+    """One value: an operation on earlier nodes, a literal (`value`), or a load (`name`).
+
+    A constant with a negative `value` is the negative of that constant.
+    """
+
+    op: str
+    args: tuple[int, ...] = ()
+    value: float = 0.0
+    name: str = ""
+
+    def renumbered(self, index: Sequence[int] | Mapping[int, int]) -> "Node":
+        """Return the node with the arguments index[a]; the same one where they are no others."""
+        args = tuple([index[a] for a in self.args])
+        return self if args == self.args else Node(self.op, args, self.value, self.name)
+
+
+@dataclass(frozen=True)
+class Program:
+    """Nodes in the order of computation, and the node of each named signal, output, next state and the fault word.
+
+    `marks` holds (signal, node) in the order of the composition; `word` is None for a Block without faults.
+    `polynomials` maps the name of a "polynomial" node to its polynomial, and `tables` that of a "table" node to its
+    numbers. `products` maps the name of a constant that folding introduced to the two constants that it multiplies.
+    `titles` maps each Block of the composition to its description and the number of its equation, `equations` to the
+    lines of its equations, `notes` to sentences about it. `labels` are names of nodes from the variables of the laws,
+    for the locals of the C.
+    """
+
+    nodes: tuple[Node, ...]
+    marks: tuple[tuple[ComputedSignal, int], ...]
+    outputs: dict[str, int]
+    next: dict[str, int]
+    integers: frozenset[str] = field(default=frozenset())
+    word: int | None = None
+    polynomials: Mapping[str, Polynomial] = field(default_factory=dict)
+    products: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    titles: Mapping[str, str] = field(default_factory=dict)
+    equations: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    tables: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    calls: Mapping[str, Any] = field(default_factory=dict)
+    typed: Mapping[str, str] = field(default_factory=dict)
+    returns: Mapping[str, int] = field(default_factory=dict)
+    paths: Mapping[str, str] = field(default_factory=dict)
+    by_value: bool = False
+    labels: Mapping[int, str] = field(default_factory=dict)
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def with_nodes(
+        self, nodes: tuple[Node, ...], index: Sequence[int], further_labels: Mapping[int, str] | None = None
+    ) -> "Program":
+        """Return the program with new nodes, where the old node k becomes node index[k], without dead nodes."""
+        outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (self.outputs, self.next))
+        marks = tuple((named, index[k]) for named, k in self.marks)
+        word = None if self.word is None else index[self.word]
+        labels = {**(further_labels or {}), **{index[k]: name for k, name in self.labels.items()}}
+        return _without_dead_nodes(
+            replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels)
+        )
+
+    def substituted(self, equal: Mapping[int, int]) -> "Program":
+        """Return the program in which `equal` maps nodes to the earlier nodes that replace them."""
+        index: list[int] = []
+        for k in range(len(self.nodes)):
+            index.append(index[equal[k]] if k in equal else k)
+        nodes = tuple(n.renumbered(index) for n in self.nodes)
+        return self.with_nodes(nodes, index)
+
+    def owner(self, state: str) -> str:
+        """Return the Block of the composition that owns a state: the longest Block name before its own, or ""."""
+        parts = state.split("_")
+        leading = ("_".join(parts[:n]) for n in range(len(parts) - 1, 0, -1))
+        return next((name for name in leading if name in self.titles), "")
+
+    def ends(self) -> list[int]:
+        """Return the nodes that are stored or returned: the live-out values."""
+        return [*self.outputs.values(), *self.next.values(), *self.result_nodes()]
+
+    def result_nodes(self) -> list[int]:
+        """Return the nodes that the function returns: the fault word, or the results of a routine."""
+        return [*([] if self.word is None else [self.word]), *self.returns.values()]
+
+    def users(self) -> list[list[int]]:
+        """Return for each node the nodes that read it, once for each operand (use lists)."""
+        users: list[list[int]] = [[] for _ in self.nodes]
+        for k, node in enumerate(self.nodes):
+            for a in node.args:
+                users[a].append(k)
+        return users
+
+
+def program(block: Block) -> Program:
+    """Lower a Block.
+
+    Raises EmitError for an operation without a form in C, by name, and for a table whose name is already used.
+    """
+    loads = [*(("input", s.name) for s in block.inputs), *(("state", s.name) for s in block.states)]
+    loads += [("constant", c.name) for c in block.constants]
+    exprs = [e for _, e in block.computed_signals] + list(block.output.values()) + list(block.next.values())
+    shared = ca.cse(exprs)
+    f = ca.Function("step", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
+    tables: dict[str, tuple[float, ...]] = {}
+    nodes, results = walk(f, loads, tables)
+    count = len(block.computed_signals)
+    marks = tuple((named, node) for (named, _), node in zip(block.computed_signals, results[:count], strict=True))
+    tail = results[count:]
+    outputs = dict(zip(block.output, tail, strict=False))
+    next = dict(zip(block.next, tail[len(outputs) :], strict=True))
+    word = _fault_word(nodes, [(outputs[fault.output], fault) for fault in block.faults])
+    outputs = {s.name: outputs[s.name] for s in block.outputs}
+    titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.computed_signals}
+    integers = frozenset([s.name for s in block.states if s.integer])
+    labels = _labels(block, loads, nodes)
+    notes = {name: tuple(text for n, text in block.notes if n == name) for name, _ in block.notes}
+    return _without_dead_nodes(
+        Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables, labels=labels,
+                notes=notes)
+    )  # fmt: skip
+
+
+def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node]) -> dict[int, str]:
+    """Return by node the name of the value of a law that it computes, or ``minus_<name>`` for its negative."""
+    if not block.intermediates:
+        return {}
+    shared = ca.cse([e for _, e in block.intermediates])  # it rewrites some operations, as in the program
+    f = ca.Function("values", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
+    values, results = walk(f, loads, {})
+    known = {node: k for k, node in reversed([*enumerate(nodes)])}
+    index: list[int | None] = []
+    for node in values:
+        args = [index[a] for a in node.args]
+        index.append(None if None in args else known.get(replace(node, args=tuple(a for a in args if a is not None))))
+    names: dict[int, dict[str, None]] = {}
+    negatives: dict[int, str] = {}
+    for value, (name, _) in zip(results, block.intermediates, strict=True):
+        if (k := index[value]) is not None:
+            names.setdefault(k, {})[name] = None
+        elif values[value].op == "neg" and (k := index[values[value].args[0]]) is not None:
+            negatives |= {} if nodes[k].op == "mul" else {k: f"minus_{name}"}  # a product has the names of its factors
+    return negatives | {k: words.combine([*several]) for k, several in names.items()}
+
+
+def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int | None:
+    """Append the fault word, in which each flag sets its bit, and return its node; None without faults.
+
+    Consecutive flags that are conjunctions with a common condition are tested inside one choice on that condition. A
+    status that is 0 while the flag of a fault is set is tested where that flag is not set.
+    """
+    if not faults:
+        return None
+    nodes.append(Node("literal", value=0.0))
+    flags = {flag for flag, fault in faults if not fault.status and _condition(nodes[flag]) is None}
+    inside = [(flag, fault) for flag, fault in faults if fault.status and _unless(nodes, flag) in flags]
+    last = {_unless(nodes, flag) for flag, _ in inside}
+    others = sorted((f for f in faults if f not in inside), key=lambda f: f[0] in last)
+    for condition, group in groupby(others, lambda f: _condition(nodes[f[0]])):
+        start = len(nodes) - 1
+        for flag, fault in group:
+            before = len(nodes) - 1
+            statuses = [(nodes[f].args[1], status.bit) for f, status in inside if _unless(nodes, f) == flag]
+            without = _with_statuses(nodes, statuses, before)
+            nodes.append(Node("bit", (before,), value=float(1 << fault.bit)))
+            tested = flag if condition is None else nodes[flag].args[1]
+            nodes.append(Node("choose", (tested, len(nodes) - 1, without)))
+        if condition is not None:
+            nodes.append(Node("choose", (condition, len(nodes) - 1, start)))
+    return len(nodes) - 1
+
+
+def _with_statuses(nodes: list[Node], statuses: Sequence[tuple[int, int]], word: int) -> int:
+    """Append the choices that set the bits of flags in a word, and return its node."""
+    for flag, bit in statuses:
+        nodes.append(Node("bit", (word,), value=float(1 << bit)))
+        nodes.append(Node("choose", (flag, len(nodes) - 1, word)))
+        word = len(nodes) - 1
+    return word
+
+
+def _condition(flag: Node) -> int | None:
+    return flag.args[0] if flag.op == "and" else None
+
+
+def _unless(nodes: Sequence[Node], flag: int) -> int | None:
+    """Return the flag whose negation is the condition of another one, None if there is none."""
+    if nodes[flag].op not in ("and", "when"):
+        return None
+    condition = nodes[nodes[flag].args[0]]
+    return condition.args[0] if condition.op == "not" else None
+
+
+def walk(
+    f: ca.Function,
+    loads: Sequence[tuple[str, str]],
+    tables: dict[str, tuple[float, ...]],
+    unary: Mapping[int, str] = UNARY,
+    binary: Mapping[int, str] = BINARY,
+) -> tuple[list[Node], list[int]]:
+    """Convert a function's instructions to nodes in static single-assignment form; return nodes and output nodes.
+
+    `f` has one column of inputs, whose kinds and names are `loads`. The tables that it calls are added to `tables`.
+
+    Raises EmitError for an operation in neither of the two sets, and for a call of a function that is not a table.
+    """
+    nodes: list[Node] = []
+    terms = f.instructions_sx()
+    slot: dict[int, int] = {}
+    results: list[int] = []
+    known: dict[Node, int] = {}
+
+    def add(node: Node) -> int:
+        if node not in known:
+            known[node] = len(nodes)
+            nodes.append(node)
+        return known[node]
+
+    for k in range(f.n_instructions()):
+        op, i, o = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
+        if op == ca.OP_OUTPUT:
+            results.append(slot[i[0]])
+        elif op == ca.OP_INPUT:
+            kind, name = loads[i[1]]
+            slot[o[0]] = add(Node(kind, name=name))
+        elif op == ca.OP_CONST:
+            slot[o[0]] = add(Node("literal", value=f.instruction_constant(k)))
+        elif op == ca.OP_CALL:
+            called = terms[k].which_function()
+            _add_table(called, tables, [name for _, name in loads])
+            slot[o[0]] = add(Node("table", (slot[i[0]],), name=called.name()))
+        else:
+            slot[o[0]] = add(_operation(op, tuple(slot[a] for a in i), nodes, unary, binary))
+    return nodes, results
+
+
+def _add_table(called: ca.Function, tables: dict[str, tuple[float, ...]], used_names: Sequence[str]) -> None:
+    """Add a function's numbers to `tables`; raise EmitError unless it is a table of its own name."""
+    name, steps = called.name(), range(called.n_instructions())
+    if [called.instruction_id(k) for k in steps] != list(LOOKUP):
+        raise EmitError(f"a law calls the function '{name}', which is not a table: write it out, or use block.table")
+    numbers = tuple(called.instruction_MX(0).to_DM().full().ravel().tolist())
+    if name in used_names or tables.get(name, numbers) != numbers:
+        raise EmitError(f"table '{name}' has the name of another table, signal or constant: rename one of them")
+    tables[name] = numbers
+
+
+def _operation(
+    op: int, args: tuple[int, ...], nodes: list[Node], unary: Mapping[int, str], binary: Mapping[int, str]
+) -> Node:
+    if op in unary:
+        return Node(unary[op], args[:1])
+    if op not in binary:
+        known = ", ".join(sorted({*unary.values(), *binary.values()}))
+        called = next((n for n, value in vars(ca).items() if n.startswith("OP_") and value == op), f"number {op}")
+        raise EmitError(f"operation {called} of CasADi cannot be emitted as C: write the expression with {known}")
+    if op == ca.OP_ADD:
+        first, second = nodes[args[0]], nodes[args[1]]
+        if first.op == second.op == "when":
+            if nodes[second.args[0]] == Node("not", (first.args[0],)):
+                return Node("choose", (first.args[0], first.args[1], second.args[1]))
+            if nodes[first.args[0]] == Node("not", (second.args[0],)):
+                return Node("choose", (second.args[0], second.args[1], first.args[1]))
+    return Node(binary[op], args)
+
+
+def _without_dead_nodes(p: Program) -> Program:
+    """Dead-code elimination: return the program without nodes that no output needs, and without marks on them."""
+    live = set(p.ends())
+    for k in range(len(p.nodes) - 1, -1, -1):
+        if k in live:
+            live.update(p.nodes[k].args)
+    index = {old: new for new, old in enumerate(sorted(live))}
+    nodes = tuple(p.nodes[k].renumbered(index) for k in index)
+    outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (p.outputs, p.next))
+    marks = tuple((named, index[k]) for named, k in p.marks if k in index)
+    word = None if p.word is None else index[p.word]
+    labels = {index[k]: name for k, name in p.labels.items() if k in index}
+    return replace(p, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels)

@@ -1,0 +1,1 @@
+"""Vectorised simulation: several machines side by side, one in each lane of a vector unit."""

@@ -1,0 +1,13 @@
+"""From the declaration of a stage to its controller and design: what users import."""
+
+from synth.declare.companion import Companion, Drive
+from synth.declare.fault_campaign import FaultCampaign, FaultLimit, StudyLimits, read_safe_output
+from synth.declare.stage import Actuator, Controller, Interface, Law, Sensor, SetPoint, Stage
+from synth.stage.compose import controller, design
+from synth.stage.interface import guarded_inputs, interface, safe
+
+__all__ = [
+    "Actuator", "Companion", "Controller", "Drive", "FaultCampaign", "FaultLimit", "Interface", "Law", "Sensor",
+    "SetPoint", "Stage", "StudyLimits", "controller", "design", "guarded_inputs", "interface", "read_safe_output",
+    "safe",
+]  # fmt: skip

@@ -1,0 +1,1 @@
+"""Proofs of the emitted C by Frama-C's Eva, fuzzing, cppcheck and hostile inputs."""

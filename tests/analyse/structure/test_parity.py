@@ -1,0 +1,83 @@
+"""Parity relations: found from the kinematics, exact where the sensors are redundant, none where they are not."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from models import maglev_stage
+from synth.analyse.structure import parity
+from synth.errors import ModelError
+from synth.plant import Plant, build
+from synth.signals import Signal
+
+GAPS = {f"y{j}": f"g{j}" for j in (1, 2, 3, 4)}
+
+
+def tolerances(names: object, resolution: float = 1e-5, offset: float = 7e-6) -> dict[str, parity.Tolerance]:
+    return dict.fromkeys(names, parity.Tolerance(resolution, offset))  # type: ignore[call-overload, no-any-return]
+
+
+def bent(curvature: float, unit: str = "m") -> Plant:
+    """Return a plant with two sensors of one position, the second one curved."""
+    q = Signal("q", "m", -1.0, 1.0)
+    outputs = [Signal("a", "m", -2.0, 2.0), Signal("b", unit, -2.0, 2.0)]
+
+    def physics(x, u, p):  # type: ignore[no-untyped-def]
+        return {"q": ca.SX(0)}, {"a": x["q"], "b": x["q"] + curvature * x["q"] ** 2}
+
+    return build("bent", [q], [], outputs, [], physics)
+
+
+def test_the_gap_encoders_of_the_maglev_stage_are_redundant_and_x_and_z_are_not() -> None:
+    sensors = {**GAPS, "x": "x", "z": "z"}
+    (relation,) = parity.relations(maglev_stage.plant(), sensors, tolerances(sensors))
+    assert relation.weights == {"y1": 1.0, "y2": -1.0, "y3": 1.0, "y4": -1.0}  # F(5)
+    assert relation.threshold == pytest.approx(4 * (5e-6 + 7e-6), rel=1e-9)  # exact at every angle: no nonlinearity
+    pose = {"y": 0.025, "phi": 0.003, "theta": -0.013}
+    outputs = maglev_stage.plant().output_values(pose)
+    assert abs(sum(w * float(outputs[GAPS[n]][0]) for n, w in relation.weights.items())) < 1e-16
+
+
+def test_without_one_gap_encoder_no_relation_is_left() -> None:
+    three = {n: GAPS[n] for n in ("y1", "y2", "y3")}
+    assert parity.relations(maglev_stage.plant(), three, tolerances(three)) == ()
+
+
+def test_a_curved_sensor_raises_the_threshold_by_its_nonlinearity() -> None:
+    sensors = {"a": "a", "b": "b"}
+    (straight,) = parity.relations(bent(0.0), sensors, tolerances(sensors, 0.0, 0.0))
+    (curved,) = parity.relations(bent(0.1), sensors, tolerances(sensors, 0.0, 0.0))
+    assert straight.threshold < 1e-12 and curved.threshold == pytest.approx(0.1)
+    assert curved.weights == {"a": 1.0, "b": -1.0}
+
+
+def test_three_sensors_of_one_position_have_two_relations_that_are_independent() -> None:
+    sensors = {"a": "g1", "b": "g1", "c": "g1"}
+    relations = parity.relations(maglev_stage.plant(), sensors, tolerances(sensors))
+    rows = np.array([[r.weights.get(n, 0.0) for n in "abc"] for r in relations])
+    assert rows.shape == (2, 3) and np.linalg.matrix_rank(rows) == 2
+    np.testing.assert_allclose(rows.sum(axis=1), 0.0, atol=1e-12)
+
+
+def test_mixed_units_and_unknown_outputs_are_refused() -> None:
+    sensors = {"a": "a", "b": "b"}
+    with pytest.raises(ModelError, match="mixes"):
+        parity.relations(bent(0.0, "rad"), sensors, tolerances(sensors))
+    with pytest.raises(ModelError, match="give an output"):
+        parity.relations(bent(0.0), {"a": "nothing"}, tolerances("a"))
+
+
+def test_outputs_that_no_relation_of_the_states_describes_are_refused() -> None:
+    q, f = Signal("q", "m", -1.0, 1.0), Signal("f", "N", -1.0, 1.0)
+    outputs = [Signal(name, "m", -2.0, 2.0) for name in ("a", "b", "c")]
+
+    def physics(x, u, p):  # type: ignore[no-untyped-def]
+        return {"q": u["f"]}, {"a": x["q"], "b": x["q"] + 0.5 * u["f"], "c": ca.SX(1)}
+
+    plant = build("driven", [q], [f], outputs, [], physics)
+    with pytest.raises(ModelError, match=r"the output 'b' depends on the input 'f', .*: leave its sensor out"):
+        parity.relations(plant, {"a": "a", "b": "b"}, tolerances("ab"))
+    with pytest.raises(ModelError, match="the output 'c' depends on no state: leave its sensor out"):
+        parity.relations(plant, {"a": "a", "c": "c"}, tolerances("ac"))
+    with pytest.raises(ModelError, match="no sensors are given"):
+        parity.relations(plant, {}, {})
