@@ -4,7 +4,7 @@
     from synth.testing import *
 
     @pytest.fixture(scope="session")
-    def design() -> Design:
+    def design() -> Stage:
         return DESIGN
 
 Run in the root of the workspace. Defects are planted in a declared stage: the sign of each constant, slews, limits,
@@ -23,7 +23,6 @@ import pytest
 from synth import stage as stages
 from synth.app import builds, standard_tasks
 from synth.app.tasks import attempt
-from synth.app.workspace import Design
 from synth.base.progress import silent
 from synth.block import Block
 from synth.declare.stage import Controller, Interface, Stage
@@ -46,9 +45,9 @@ NOTICED = 1e3  # times the tolerance between witnesses
 WIDER = 1.1  # a planted limit or range, of the declared one
 
 
-def test_the_committed_files_are_regenerated_byte_for_byte(design: Design) -> None:
+def test_the_committed_files_are_regenerated_byte_for_byte(design: Stage) -> None:
     """Compare generated_c/ with the emitted files; vectors are recorded and may differ in the last place."""
-    for folder, emitted in design.emit(design.scalar).items():
+    for folder, emitted in standard_tasks.emit(design, design.scalar).items():
         committed = Path("generated_c") / folder
         assert committed.is_dir(), f"{committed} is missing: run `synth build {design.name}` and commit it"
         for name, text in emitted.files.items():
@@ -57,13 +56,13 @@ def test_the_committed_files_are_regenerated_byte_for_byte(design: Design) -> No
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
-def test_the_c_compiles_without_a_warning(design: Design, scalar: type[np.floating]) -> None:
+def test_the_c_compiles_without_a_warning(design: Stage, scalar: type[np.floating]) -> None:
     """Compile the C of both scalar types with every warning on."""
-    for emitted in design.emit(scalar).values():
+    for emitted in standard_tasks.emit(design, scalar).values():
         host_compiler.check(host.code(emitted.files))
 
 
-def test_the_evidence_passes(design: Design) -> None:
+def test_the_evidence_passes(design: Stage) -> None:
     """Verify the design over short replays, as `synth build` does: with the same sources, its evidence is read."""
     evidence, _ = attempt(partial(builds.verify, design, False, silent), "verification", Evidence(design.name, (), ()))
     assert evidence.checks
@@ -71,11 +70,9 @@ def test_the_evidence_passes(design: Design) -> None:
     assert not failed, "\n".join(failed)
 
 
-def test_defects_that_are_planted_are_found(design: Design) -> None:
+def test_defects_that_are_planted_are_found(design: Stage) -> None:
     """Compare variants of the controller, each with one defect, with the reference."""
-    if design.stage is None:
-        pytest.skip("defects are planted in a declared stage: this design was not made by stage.design")
-    undetected = undetected_defects(design.stage)
+    undetected = undetected_defects(design)
     assert not undetected, (
         f"the reference agrees with a controller that has a planted defect: {', '.join(undetected)}; write the "
         "reference from the equations, or leave out what has no effect on any output or state"
@@ -85,7 +82,8 @@ def test_defects_that_are_planted_are_found(design: Design) -> None:
 def undetected_defects(stage: Stage) -> list[str]:
     """Return the planted defects that the comparison with the reference does not detect."""
     states, inputs = _steps(stage)
-    expected = agree.reference(standard.require_reference(stage))(states, inputs)
+    assert stage.reference is not None
+    expected = agree.reference(stage.reference)(states, inputs)
     block = stage.controller.block
     of_constants = agree.casadi_of_constants(block)
     correct = of_constants({})(states, inputs)

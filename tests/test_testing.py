@@ -15,22 +15,22 @@ PID = levitator.design()
 
 
 def test_every_planted_defect_is_found() -> None:
-    names = [name for name, _ in testing.variants(PID.DESIGN.stage)]
+    names = [name for name, _ in testing.variants(PID.DESIGN)]
     assert {"sign of pid_z_p", "slew of i2 doubled", "bad_samples", "range of z wider"} <= set(names)
     assert len(names) == len(set(names)) == 19
-    assert testing.undetected_defects(PID.DESIGN.stage) == []
+    assert testing.undetected_defects(PID.DESIGN) == []
 
 
 def test_a_defect_that_the_reference_shares_is_named() -> None:
     """A reference that was written from the wrong C cannot tell the same defect."""
-    wrong = dict(testing.variants(PID.DESIGN.stage))["slew of i2 doubled"]
+    wrong = dict(testing.variants(PID.DESIGN))["slew of i2 doubled"]
 
-    assert testing.undetected_defects(replace(PID.DESIGN.stage, reference=witness(wrong))) == ["slew of i2 doubled"]
+    assert testing.undetected_defects(replace(PID.DESIGN, reference=witness(wrong))) == ["slew of i2 doubled"]
 
 
 def squaring(effect: float) -> Stage:
     """Return a stage whose law squares a constant, with a reference that agrees with it."""
-    around, time = PID.DESIGN.stage.interface, PID.DESIGN.stage.controller.time
+    around, time = PID.DESIGN.interface, PID.DESIGN.controller.time
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         force = u["z_held"] * (1 - effect * (k["per_length"] * u["z_held"]) ** 2)
@@ -41,7 +41,7 @@ def squaring(effect: float) -> Stage:
     constants = [Constant("per_length", 100.0, "1/m", "data sheet")]
     block = build_block("law", time, law, inputs=inputs, outputs=outputs, constants=constants)
     made = stage.controller("squaring", time, around, [block])
-    return replace(PID.DESIGN.stage, controller=made, reference=witness(made.block))
+    return replace(PID.DESIGN, controller=made, reference=witness(made.block))
 
 
 def witness(block: Block) -> Callable[[agree.Columns, agree.Columns], tuple[agree.Columns, agree.Columns, object]]:

@@ -1,59 +1,30 @@
 """Report of the Hall position for a design review: report.md and report.toml with the computed blocks."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from designs.hall_position import config
 from designs.hall_position.pages import estimator, field
 from models.hall_stage import Stage
-from synth.emit.write import EmittedCode
-from synth.report import captions, page, sections, standard, template
-from synth.report.audit import Row
-from synth.simulate.experiment import Experiment
-from synth.verify.cost import Cost
-from synth.verify.evidence import Evidence
+from synth.report import captions, page, standard
+from synth.report.template import Extra, Results
 
-ABOUT = (
-    f"{config.NAME}: {config.UNPROTECTED} "
-    "Absolute position over a Halbach magnet matrix from the voltages of two-axis Hall sensors, after Kawato and Kim: "
-    "the field, its model, and the estimator. This page was computed from the magnets' geometry; every figure on it, "
-    "those of the studies excepted, was measured on the shipped C, or on the model that the C was derived from."
-)
 STUDIES = "Studies"
 
 
-def report(
-    files: Mapping[str, EmittedCode],
-    evidence: Evidence,
-    runs: Sequence[Experiment],
-    rows: Sequence[Row],
-    cost: Cost | None,
-    report_parts: Mapping[str, Any],
-) -> str:
-    """Return the report as one HTML document; an estimator has no experiments."""
+def contents(quoted: Mapping[str, Any], results: Results) -> Extra:
+    """Return what the report has beyond the standard; `quoted` are the results of the studies."""
     data = tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
-    stage = Stage()
-    contents = {**field.blocks(stage), **estimator.blocks(data["meaning"])}
-    blocks = captions.with_captions(contents, data["blocks"])
+    computed = {**field.blocks(Stage()), **estimator.blocks(data["meaning"])}
+    blocks = captions.with_captions(computed, data["blocks"])
     equations = {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
-    parts = [
-        standard.audit(rows, ()),
-        standard.verification(evidence),
-        sections.cost(cost),
-        studies(report_parts["studies"]),
-        standard.files(files),
-    ]
-    inputs, outputs = (
-        "4 Hall voltages; 6 or 8 with protection levels",
-        "X, Y and yaw, their deviations, residual, flags",
+    return Extra(
+        {**equations, **blocks},
+        [standard.audit(results.rows, ()), studies(quoted)],
+        omitted=(standard.MODEL, standard.LAW, standard.GAINS, standard.LOOPS, standard.EXPERIMENTS),
+        facts=(("law", "GLSDC, Fig. 9, five corrections a sample"),),
     )
-    law = ("law", "GLSDC, Fig. 9, five corrections a sample")
-    facts = (*standard.facts(config.TIME, np.float32, inputs, outputs), law)
-    return template.assemble(config.NAME, ABOUT, facts, parts, {**equations, **blocks})
 
 
 def studies(results: Mapping[str, Any]) -> page.Section:

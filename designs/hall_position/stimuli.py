@@ -20,6 +20,7 @@ from models.hall_motions import Numbers, Pose
 from synth.execute import host
 from synth.verify import steps
 from synth.verify.sampling import Columns
+from synth.verify.standard import Stimuli
 from synth.verify.steps import Steps
 
 FLOOR = 1.0  # m, rad, V: differences of smaller outputs are absolute
@@ -33,6 +34,13 @@ SEED = 1204
 VECTORS, AT_REST, VECTORS_SEED = 1000, 200, 2009  # samples of the test vectors, and those of them at rest
 START, DISPLACEMENT = (0.011, 0.034, 0.03), (0.12, -0.09, -0.08)  # X, Y, yaw in m and rad: more than two pitches in 1 s
 OUT_OF_RANGE, SHORT_FAULT, LONG_FAULT = 9.0, slice(150, 153), slice(900, 910)  # V; of V_ay and of V_bx
+
+
+def of_stage() -> Stimuli:
+    """Return what drives the measurements of the machine code and gives the test vectors."""
+    return Stimuli(
+        vectors=lambda rig: recording(rig.controller.scalar), replay=replay, sequences=sequences, floor=FLOOR
+    )
 
 
 def replay(controller: host.Controller) -> Columns:

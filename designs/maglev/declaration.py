@@ -12,11 +12,9 @@ from designs.maglev import (
     platen,
     reactions,
     reference_phase,
-    verification,
 )
 from models import maglev_phases, maglev_stage, papers
 from synth import stage
-from synth.app.workspace import Design
 from synth.block import Block
 from synth.plant import Plant
 from synth.stage import Companion, Drive
@@ -35,7 +33,7 @@ SET_POINTS = (
 
 def design(
     controller: stage.Controller, plant: Plant, phases: Block, folder: Path, limited: Sequence[str] = (), **fields: Any
-) -> Design:
+) -> stage.Stage:
     """Return the design of a controller with the commutation `phases`; `fields` are those of `stage.design`.
 
     `limited` names states of the law that may reach their bounds.
@@ -54,13 +52,13 @@ def design(
         "reactions": reactions.REACTIONS,
         "limited": [*(f"observer_{n}_g" for n in "xz"), *limited],  # g is the learnt gain of the thrust
         "safe_output": stage.read_safe_output(folder / "safe_output.json"),
-        "recording": verification.vectors,
         "companions": [
             Companion(
                 phases,
                 header_notes=[commutation.FADING, EQUATIONS],
                 reference=reference_phase.step,
-                floor=verification.FLOOR,
+                label="commutation",
+                floor=platen.CURRENT_FLOOR,
             )
         ],
         "drive": Drive(maglev_phases.plant(), (phases,)),

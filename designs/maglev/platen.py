@@ -35,6 +35,7 @@ SAFE_CURRENT = 2.5  # A rms of i_d: lowers the platen from every gap; with 2 A t
 PULLED_UP = 28.7e-3  # m: gap of balance without current, rounded down
 LIFTED = 30.5e-3  # m: at larger gaps a stop may hold the platen: it is not probed, and once landed it rests
 SLEW = 100.0  # A/s
+CURRENT_FLOOR = 1.0  # A: differences of smaller currents between witnesses are absolute
 RESOLUTION = 10e-6  # m, F section II
 SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is accurate to some 1e-3
 # The part of each guide spring that the law compensates: too much makes an axis unstable, too little slow. With

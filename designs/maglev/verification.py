@@ -1,4 +1,4 @@
-"""Verification of the emitted C beyond the standard: random steps in operation over the whole range of poses.
+"""What drives the verification of the emitted C: random steps in operation over the whole range of poses.
 
 Most random steps do not saturate the motors, because a limit hides differences. Edge steps have states anywhere in
 their bounds. Recorded inputs of closed loops are replayed from `init`, and 60 s of tracking in single precision are
@@ -15,23 +15,20 @@ from numpy.typing import NDArray
 from designs.maglev import motions, platen, reference_faults, reference_stage
 from synth.block import Block
 from synth.check import Check
-from synth.declare.stage import Reference, Stage
+from synth.declare.companion import Reference
 from synth.fault import LATCH_BIT
-from synth.simulate import rig as simulation
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.verify import agree, companions, sampling, standard, suite
-from synth.verify.evidence import Evidence
+from synth.verify import agree, sampling
 from synth.verify.sampling import Columns
+from synth.verify.standard import Stimuli
 
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
-RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 SEED = 20_090_901
 CORNER = 0.98  # of the limit of i_d: there the limit sqrt(C^2 - i_d^2) of i_q has the slope -5, closer to it up to -70
 RARE = 0.01  # share of excluded encoders, of unanswered probes and of landings
 INSIDE = 1e-8  # m, rad: distance from the ends of a range, which differ between single and double precision
-FLOOR = 1.0  # A
 # A: edge steps demand up to 1e3 A of a motor, which is limited. Where such demands cancel, the error of the
 # polynomials, up to 1e-14 of each term, stays: 1e-11 A, which is the tolerance of 1e-12 relative to this floor.
 EDGE_FLOOR = 10.0
@@ -42,37 +39,24 @@ STEPS = 1000  # of the test vectors
 BAD, BAD_SET_POINT = slice(700, 703), slice(800, 810)  # samples with the x encoder or y_ref out of range
 
 
-def verify(law_states: LawStates, stage: Stage, progress: Callable[[str], None], whole: bool) -> Evidence:
-    """Compare all witnesses, over the `whole` replay or over a short one; `law_states` draws states of the law."""
-    by = standard.witnesses(stage)
-    progress("random steps")
-    samples = random_steps(by.block, standard.require_reference(stage), law_states, RANDOM_STEPS)
-    compared = suite.compare("random steps", by, *samples, FLOOR)
-    share = float(np.mean(is_saturated(by.by_name["c64"](*samples).outputs)))
-    double, single = suite.in_both_precisions(by, *samples)
-    pair = ("c64", double), ("c32", single)
-    in_single = agree.compare("random steps", *pair, FLOOR, by.block, np.float32)
-    progress("edge steps")
-    samples = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
-    edge = suite.compare("edge steps", by, *samples, EDGE_FLOOR)
-    progress("replays of closed loops")
-    rigs = [simulation.of_stage(stage, c) for c in (by.c32, by.c64)]
-    runs = replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY)
-    compared += suite.replay(by, {what: run.measured for what, run in runs.items()}, FLOOR)
-    progress("commutation")
-    (phases,) = stage.companions
-    recorded = {what: phases.select_inputs(run.measured, run.commands) for what, run in runs.items()}
-    rng, sizes = np.random.default_rng(SEED + 2), (RANDOM_STEPS, EDGE_STEPS)
-    beside, precisions = companions.compare(phases, "commutation", stage, recorded, rng, sizes)
-    compared += beside
-    progress("single against double over 60 s")
-    checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact_checks(of, _unit(floor))]
-    checks += [Check("share of random steps at a limit", share, 0.5, "1"), *single_against_double(*rigs)]
-    return Evidence(stage.name, (*compared, in_single, precisions, *edge), tuple(checks))
+def stimuli(law_states: LawStates, reference: Reference) -> Stimuli:
+    """Return what drives the verification; `law_states` draws states of the law."""
+    return Stimuli(
+        seed=SEED,
+        random=lambda block, n: random_steps(block, reference, law_states, n),
+        random_checks=share_checks,
+        runs=replays,
+        path_checks=single_against_double,
+        vectors=vectors,
+        floor=platen.CURRENT_FLOOR,
+        edge_floor=EDGE_FLOOR,
+        unit="A",
+    )
 
 
-def _unit(floor: float) -> str:
-    return f"max({floor:.3g} A, |i|)"
+def share_checks(states: Columns, results: agree.StepResults) -> list[Check]:
+    """Return the check that limits hide few differences of the random steps."""
+    return [Check("share of random steps at a limit", float(np.mean(is_saturated(results.outputs))), 0.5, "1")]
 
 
 def random_steps(block: Block, reference: Reference, law_states: LawStates, n: int) -> tuple[Columns, Columns]:
@@ -168,12 +152,12 @@ def is_saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
     return np.max(motors, axis=0) > platen.DIRECT * (1 - 1e-9)
 
 
-def replays(rig: Rig, replay_s: float) -> dict[str, Trajectory]:
+def replays(rig: Rig, whole: bool) -> dict[str, Trajectory]:
     """Record the 4-DOF tracking with encoders, a saturated step, and faults up to the latch.
 
     Single samples of y2 and x_ref are bad, then four in a row of x, and finally z permanently, which latches.
     """
-    time = sample_times(2.0, rig.period_s)
+    time, replay_s = sample_times(2.0, rig.period_s), WHOLE_REPLAY if whole else QUICK_REPLAY
     masks = {"y2": time % 0.25 < 1e-9, "x_ref": time % 0.3 < 1e-9, "x": (time > 0.8) & (time < 0.8045), "z": time > 1.5}
     bad = {name: Override(mask, np.full(len(time), np.nan)) for name, mask in masks.items()}
     return {
@@ -183,7 +167,7 @@ def replays(rig: Rig, replay_s: float) -> dict[str, Trajectory]:
     }
 
 
-def single_against_double(single: Rig, double: Rig) -> list[Check]:
+def single_against_double(double: Rig, single: Rig) -> list[Check]:
     """Compare 60 s of 4-DOF tracking in both types: point by point with ideal sensing, by mean errors with encoders."""
     checks, units = [], motions.UNITS
     one, two = (motions.tracking(rig.ideal, True)[0] for rig in (single, double))

@@ -1,19 +1,34 @@
 """The five-axis maglev stage of Fulford, Maggiore and Apkarian, from physics to verified C."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from designs.maglev import commutation, declaration
-from designs.maglev_5dof import control, experiments, gains, reference, verification
-from designs.maglev_5dof.paper import rows
+from designs.maglev_5dof import control, experiments, gains, reference
 from models import maglev_stage
+from synth import stage
 
 
-def report(*arguments: Any) -> str:
-    """Return the report; what draws it is imported here, since `synth emit` does not need it."""
+def stimuli() -> Any:
+    """Return what drives the verification; it is imported here, since an import of the design runs nothing."""
+    from designs.maglev_5dof import verification
+
+    return verification.stimuli()
+
+
+def audit(of: stage.Stage) -> Iterator[Any]:
+    """Yield the recomputed figures of the paper."""
+    from designs.maglev_5dof.paper import rows
+
+    return rows.rows(of)
+
+
+def contents(of: stage.Stage, results: Any) -> Any:
+    """Return what the report has beyond the standard sections."""
     from designs.maglev_5dof import page
 
-    return page.report(*arguments)
+    return page.contents(of, results)
 
 
 PLANT = maglev_stage.plant()
@@ -36,8 +51,8 @@ DESIGN = declaration.design(
         "disk_margin": 0.22,
     },
     law_alone=control.controller(PLANT),
-    verify=verification.verify,
-    audit=rows.rows,
-    report=report,
+    stimuli=stimuli,
+    audit=audit,
+    contents=contents,
     about=__doc__,
 )

@@ -1,7 +1,5 @@
 """Report of the maglev stage: its additions to the standard report; the prose is in report.md."""
 
-from typing import Any
-
 import numpy as np
 
 from designs.maglev import commutation, commutation_tables, motions, platen
@@ -9,8 +7,9 @@ from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.declare.stage import Stage
 from synth.plant import Plant
-from synth.report import figures, page, presentation, standard, template
+from synth.report import figures, page, presentation, standard
 from synth.report.prose import Value
+from synth.report.template import Extra, Results
 from synth.simulate.experiment import Experiment
 
 LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: longer runs are drawn over the window
@@ -23,15 +22,15 @@ PUBLISHED = {  # rows of the audit with the paper's statements on an experiment
 }
 
 
-def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: Any) -> str:
-    """Return the report as one HTML document; arguments as `template.report`."""
+def contents(stage: Stage, results: Results) -> Extra:
+    """Return what this design adds to the report."""
+    runs = results.runs
     paths = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     style = standard.Shown(
-        motions.UNITS, motions.COUNTS, presentation.published_figures(PUBLISHED, rows), paths, LONGEST, WINDOW
+        motions.UNITS, motions.COUNTS, presentation.published_figures(PUBLISHED, results.rows), paths, LONGEST, WINDOW
     )
-    values = _values(stage.plant) | commutation_tables.values(stage, files, runs, cost is not None)
-    extra = template.Extra(values, terms=maglev_stage.factors, shown=style)
-    return template.report(stage, files, evidence, runs, rows, cost, extra)
+    values = _values(stage.plant) | commutation_tables.values(stage, results.files, runs, results.cost is not None)
+    return Extra(values, terms=maglev_stage.factors, shown=style)
 
 
 def _values(plant: Plant) -> dict[str, Value]:

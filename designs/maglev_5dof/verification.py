@@ -1,13 +1,12 @@
 """Verification of the paper's design: that of the stage, with random states of its filters and regulators."""
 
-from functools import partial
-
 import numpy as np
 from numpy.typing import NDArray
 
 from designs.maglev import verification
 from designs.maglev_5dof import control, reference
 from synth.verify.sampling import Columns
+from synth.verify.standard import Stimuli
 
 NEAR = 0.003  # of a bound: states of the internal model whose demand a motor can meet
 
@@ -27,4 +26,6 @@ def law_states(
     return states
 
 
-verify = partial(verification.verify, law_states)
+def stimuli() -> Stimuli:
+    """Return what drives the verification."""
+    return verification.stimuli(law_states, reference.with_fault_handling)

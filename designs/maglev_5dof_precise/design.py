@@ -1,12 +1,21 @@
 """The five-axis maglev stage of Fulford et al. under a controller of higher precision, from physics to verified C."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from designs.maglev import commutation, declaration, platen
-from designs.maglev_5dof_precise import control, experiments, reference, tuning, verification
+from designs.maglev_5dof_precise import control, experiments, reference, tuning
 from models import maglev_stage
+
+
+def stimuli() -> Any:
+    """Return what drives the verification; it is imported here, since an import of the design runs nothing."""
+    from designs.maglev_5dof_precise import verification
+
+    return verification.stimuli()
+
 
 PLANT = maglev_stage.plant()
 PHASES = commutation.phase_currents(control.NAME, PLANT)
@@ -20,7 +29,7 @@ DESIGN = declaration.design(
     study=experiments.STUDY,
     gains=control.gains,
     law_alone=control.law_alone(PLANT),
-    verify=verification.verify,
+    stimuli=stimuli,
     require={  # degrees and s; a little below the least over the operating points, gap 18 to 31 mm
         "phase_margin": 39.0,
         "gain_margin": 1.95,

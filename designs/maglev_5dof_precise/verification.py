@@ -1,13 +1,12 @@
 """Verification of the precise design: that of the stage, with random states of its observers and internal models."""
 
-from functools import partial
-
 import numpy as np
 from numpy.typing import NDArray
 
 from designs.maglev import platen, verification
 from designs.maglev_5dof_precise import reference
 from synth.verify.sampling import Columns
+from synth.verify.standard import Stimuli
 
 NEAR = {"sum": 0.2, "p": 5e-3, "q": 0.2}  # m, rad: whose demand a motor can meet
 
@@ -27,4 +26,6 @@ def law_states(
     return states
 
 
-verify = partial(verification.verify, law_states)
+def stimuli() -> Stimuli:
+    """Return what drives the verification."""
+    return verification.stimuli(law_states, reference.with_fault_handling)

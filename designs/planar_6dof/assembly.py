@@ -1,17 +1,15 @@
-"""Assembly of a planar design from its controller, NumPy reference, experiments, audit and report."""
+"""Assembly of a planar design from its controller, NumPy reference, experiments, audit and contents of the report."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from designs.planar_6dof import artefacts, cost_stimuli, faults, interface, loop, loops, verification
-from designs.planar_6dof.random_steps import Subject
+from designs.planar_6dof import faults, interface, loop, loops
+from designs.planar_6dof.interface import Subject
 from designs.planar_6dof.sensing import sections as sensing
 from models import halbach, papers, planar_stage
 from synth import stage
-from synth.app import standard_tasks
-from synth.app.workspace import Design
 from synth.blocks.faults import repeated_codes
 from synth.declare.fault_campaign import StudyLimits
 from synth.report.audit import Row
@@ -63,7 +61,20 @@ ABOUT = (
 # channel that reads zero is at some place out of bounds for good and neither named nor the cause of a latch: `synth
 # study planar_6dof_leadlag --experiments zero_anywhere`.
 STUDIED = ("step_?", "step_phi", "standstill", "standstill_printed_noise", "*_resting", "*_moving")
-QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the witnesses replay
+
+
+def stimuli(subject: Callable[[], Subject]) -> Any:
+    """Return what drives the verification of a controller; an import of a design runs nothing of it."""
+    from designs.planar_6dof import verification
+
+    return verification.stimuli(subject())
+
+
+def audit(rows: Callable[[Rig], Iterator[Row]], of: stage.Stage) -> Iterator[Row]:
+    """Yield the rows of the audit, computed with the shipped loop."""
+    from synth.app import standard_tasks
+
+    return rows(standard_tasks.rig(of, of.scalar))
 
 
 def design(
@@ -72,20 +83,20 @@ def design(
     subject: Callable[[], Subject],
     gains: Callable[[], Mapping[str, Any]],
     experiments: Sequence[Run],
-    audit: Callable[[Rig], Iterator[Row]],
-    report: Callable[..., str],
+    rows: Callable[[Rig], Iterator[Row]],
+    contents: Callable[[stage.Stage, Any], Any],
     studied: Sequence[str] = (),
     **fields: Any,
-) -> Design:
+) -> stage.Stage:
     """Return the design; `subject` returns its controller and reference, `gains` the contents of gains.json.
 
-    `audit` yields the rows of the audit, computed with the shipped loop. `studied` are further experiments of a study,
+    `rows` yields those of the audit, computed with the shipped loop. `studied` are further experiments of a study,
     `fields` further ones of the stage.
     """
-    replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
     return stage.design(
         interface.declare_controller(name, time, lambda: subject().block, interface.BRAKED),
         planar_stage.plant(halbach.HARMONICS),
+        reference=lambda states, inputs: subject().reference(states, inputs),
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
         experiments=experiments,
@@ -94,16 +105,14 @@ def design(
         header_notes=[f"(n) is equation (n) of {papers.YU}.", START, BEGINS, CALIBRATED, CONTRADICTION, REPEATED],
         safe_output=stage.read_safe_output(Path(__file__).parents[1] / name / "safe_output.json"),
         # The last pitch of the travel, and the largest yaw: a voltage that has failed may show a larger one.
-        limited=(*verification.COUNTS, "sensing_phi_raw"),
+        limited=(*interface.PITCHES, "sensing_phi_raw"),
         gains=lambda _: gains(),
-        recording=artefacts.record_inputs,
         faults=faults.CAMPAIGN,
         loops=loops.at_places,
         study=StudyLimits(0.95, experiments=(*STUDIED, *studied)),
-        verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
-        audit=lambda shipped: audit(standard_tasks.rig(shipped, shipped.scalar)),
-        cost_stimuli=partial(standard_tasks.cost_stimuli, further_steps=cost_stimuli.stimuli, floor=cost_stimuli.FLOOR),
-        report=report,
+        stimuli=partial(stimuli, subject),
+        audit=partial(audit, rows),
+        contents=contents,
         about=ABOUT,
         **fields,
     )

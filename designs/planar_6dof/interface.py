@@ -8,8 +8,9 @@ by 22 %, so the raw position is noisier than s.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from synth.block import Block
 from synth.declare.stage import Actuator, Composition, Controller, Interface, Sensor, SetPoint
 from synth.plant import Plant
 from synth.signals import signal_names
+from synth.statespace import Array
 from synth.timing import Discrete
 
 NOISE, NOISE_PRINTED = 13e-6, 5e-5  # m: a third of the peaks of +-4e-5 m in Fig. 5(a); the value of section 3.2
@@ -32,6 +34,7 @@ ADC = RANGE / 2**BITS
 LASER_RESOLUTION = 2 * vertical.LASER / 2**BITS  # m: the range of a distance over the converter's
 BAD_SAMPLES = 5
 BRAKING = 24  # samples
+PITCHES = tuple(f"sensing_offset_{axis}" for axis in "xy")  # states that count whole pitches, in m
 SLEW = 126.0  # A/s: from the limit to 0 in 10 ms, three times L/R; a winding needs 2 V for it beside R i = 6.3 V
 # Relative error of the polynomials, which only occur in allocation and commutation. In single precision it rotates a
 # motor's current by at most 9 urad of electrical angle, like 0.07 um of position. The raw position has 4.3 um rms.
@@ -41,6 +44,22 @@ SURROGATE_ERROR: Mapping[type[np.floating], float] = {np.float32: 2e-5, np.float
 VOLTS_PER_METRE = calibration.of(planar_stage.plant()).volts_per_metre  # of the fundamental where it is 0
 _HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, offset=HALL_OFFSET, gain_error=HALL_GAIN_ERROR)
 _LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE)
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A controller with the step function of its NumPy reference and the parameters of its random steps.
+
+    `size` is the size of demands over what the motors can meet. `step` is a step of x in m that saturates the motors
+    without an excessive yaw. `at_rest` returns the nonzero states (N,) of the law for platens at rest at positions
+    (N,).
+    """
+
+    block: Block
+    reference: Callable[[Any, Any], tuple[Mapping[str, Any], Mapping[str, Any], Any]]
+    size: float
+    step: float
+    at_rest: Callable[[Mapping[str, Array]], dict[str, Array]] = lambda pose: {}
 
 
 def of_plant(plant: Plant, held: bool = False) -> Interface:

@@ -13,16 +13,15 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.planar_6dof import allocation, drawings, loops, verification
+from designs.planar_6dof import allocation, cost_stimuli, drawings, loops
 from designs.planar_6dof import loop as simulated
 from designs.planar_6dof.sensing import calibration
 from designs.planar_6dof.sensing import maps as sensing_maps
 from models import planar_stage
 from synth.block import Block
 from synth.declare.stage import Stage
-from synth.emit.write import EmittedCode
 from synth.plant import Plant, Symbols
-from synth.report import captions, page, sections, standard, template
+from synth.report import captions, page, sections, standard
 from synth.report.audit import Row
 from synth.report.captions import Content
 from synth.report.figures import SYMBOLS
@@ -30,10 +29,10 @@ from synth.report.notation import readable
 from synth.report.page import Section
 from synth.report.presentation import PublishedFigures, Shown, published_figures, window
 from synth.report.prose import Value
+from synth.report.template import Extra, Results
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete
-from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
 SHOWN = Shown(
@@ -71,41 +70,33 @@ class Contents:
     cost: Callable[[Sequence[Experiment]], tuple[page.Block, ...]] = lambda _: ()
 
 
-def report(
-    contents: Callable[[Plant], Contents],
-    stage: Stage,
-    files: Mapping[str, EmittedCode],
-    evidence: Evidence,
-    runs: Sequence[Experiment],
-    rows: Sequence[Row],
-    cost: Cost | None,
-) -> str:
-    """Return the report of a design as one HTML document, with all given experiments."""
+def extra(contents: Callable[[Plant], Contents], stage: Stage, results: Results) -> Extra:
+    """Return what the report of a design has beyond the standard, with all its experiments."""
+    runs = results.runs
     plant = planar_stage.plant()  # the motors of the stage see harmonics, which the equations leave out
     design, data = contents(plant), tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     block, time = design.block.rounded(np.float32), design.block.time
     computed = {
         **_stage(plant, block),
-        **_over_pitch(evidence),
+        **_over_pitch(results.evidence),
         **_at_rest(runs, time, design),
         **_run_figures(runs, design),
     }
     values = captions.with_captions(computed, data["blocks"])
     loop_part = standard.loops(design.loops)
-    extra = template.Extra(
+    return Extra(
         {**values, **design.values},
         [
             standard.model(plant, _forces),
             replace(loop_part, sections=(*design.whole, *loop_part.sections)),
-            experiments(design, runs, rows, values),
+            experiments(design, runs, results.rows, values),
         ],
         facts=(("law", design.line),),
         law=(page.Equations((*design.equations, *map(tuple, data["equations"]["upright"]))),),
         cost=design.cost,
         shared=("planar_6dof",),
-        floor=f"{verification.FLOOR:g} A",
+        floor=f"{cost_stimuli.FLOOR:g} A",
     )
-    return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 
 def _forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:

@@ -6,21 +6,21 @@ would otherwise hide differences. At the edges, states are anywhere in their bou
 ranges, beyond them, or not finite.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import allocation, cost_stimuli, motion
+from designs.planar_6dof.interface import Subject
 from designs.planar_6dof.sensing import calibration
 from designs.planar_6dof.sensing import sections as sensing
 from models import planar_stage
 from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
-from synth.verify import agree, sampling
+from synth.verify import sampling
 from synth.verify.sampling import Columns
 
 SEED = 20_060_711
@@ -44,22 +44,6 @@ PREDICTED, VELOCITY_STEP, ACCELERATION_STEP = (
     1e-5,
     1e-6,
 )  # m, rad: deviations of position, T velocity, T^2/2 acceleration
-
-
-@dataclass(frozen=True, eq=False)
-class Subject:
-    """A controller with the step function of its NumPy reference and the parameters of its random steps.
-
-    `size` is the size of demands over what the motors can meet. `step` is a step of x in m that saturates the motors
-    without an excessive yaw. `at_rest` returns the nonzero states (N,) of the law for platens at rest at positions
-    (N,).
-    """
-
-    block: Block
-    reference: Callable[[Any, Any], tuple[agree.Columns, agree.Columns, Any]]
-    size: float
-    step: float
-    at_rest: Callable[[Mapping[str, NDArray[Any]]], Columns] = lambda pose: {}
 
 
 def operating_steps(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tuple[Columns, Columns]:

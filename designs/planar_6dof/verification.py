@@ -9,30 +9,29 @@ other. Random steps are compared where both decide alike, and the share of the o
 precision is measured by the path of the stage over a long tour.
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import pi
 
 import numpy as np
 
-from designs.planar_6dof import allocation, failures, interface, random_steps
-from designs.planar_6dof import loop as loops
+from designs.planar_6dof import allocation, artefacts, cost_stimuli, failures, interface, random_steps
+from designs.planar_6dof.interface import Subject
 from designs.planar_6dof.loop import Array, growing_circle, simulate
-from designs.planar_6dof.random_steps import Columns, Subject
 from models import planar_stage
 from synth.check import Check
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.timing import Discrete
-from synth.verify import agree, replays, standard, suite
-from synth.verify.evidence import Evidence
+from synth.verify import agree
+from synth.verify.sampling import Columns
+from synth.verify.standard import Stimuli
 
-RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
-FLOOR = 1.0  # A: a phase is a projection of up to 1.26 A, and its rounding error does not decrease with it
+QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the witnesses replay
+FLOOR = cost_stimuli.FLOOR
 AT_A_LIMIT = (0.02, 0.5)  # share of random steps: some, and few enough for limits not to hide differences
 REJECTED_SHARE = 0.15  # share of random steps with a present or past contradiction of the sensors
-COUNTS = {f"sensing_offset_{axis}": 0.01 for axis in "xy"}  # m: more than rounding, and less than a pitch
+COUNTS = dict.fromkeys(interface.PITCHES, 0.01)  # m: more than rounding, and less than a pitch
 LATCHED = 0.02  # share of random steps: those with many bad samples in a row
 LONG = 60.0  # s
 RADIUS, RATE, GROWTH = 0.06, pi / 2, 2.0  # m, rad/s, s: six pitches in 4 s, at 0.1 m/s
@@ -44,64 +43,25 @@ SHORT = 1.0  # s
 LARGEST = {"x": 1e-7, "y": 1e-7, "phi": 1e-5, "z": 1e-8, "theta": 1e-7, "psi": 1e-6}
 # m, rad rms: with converters, where a count of 0.84 um or 0.1 mrad sometimes differs; a tenth of the noise
 COUNTED = {"x": 1.3e-6, "y": 1.3e-6, "phi": 3e-5}
-Compared = tuple[agree.Agreement, list[Check]]
-Pair = tuple[agree.StepResults, agree.StepResults]  # of a witness and of the C, over the same steps
 
 
-def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -> Evidence:
-    """Compare all witnesses; they replay `replay_s` seconds of the tour."""
-    by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
-    progress("random steps")
-    samples = random_steps.operating_steps(subject, planar_stage.plant(), RANDOM_STEPS)
-    random = {name: witness(*samples) for name, witness in by.by_name.items()}
-    single, decision_checks = standard.compare_precisions(by, *samples, FLOOR, COUNTS)
-    pairs = [
-        *compare_witnesses("random steps", subject, pair_with_c64(random)),
-        (single, [*decision_checks, *share_checks(samples[0], random["c64"])]),
-    ]
-    progress("edge steps")
-    edges = random_steps.edge_steps(subject.block, EDGE_STEPS)
-    edge = {name: witness(*edges) for name, witness in by.by_name.items()}
-    pairs += compare_witnesses("edge steps", subject, pair_with_c64(edge))
-    progress("replays of closed loops")
-    loop = loops.of(subject.block, by.c64)
-    runs = record_runs(loop, subject.step, replay_s)
-    c64 = [replays.replay_in_parts(by.c64, run.measured) for run in runs.values()]
-    others = {name: replays.repeat(by.by_name[name], c64) for name in suite.WITNESS_NAMES}
-    for k, what in enumerate(runs):
-        pairs += compare_witnesses(what, subject, {name: repeated[k] for name, repeated in others.items()})
-    progress(f"single against double over {LONG:g} s")
-    last = single_against_double(loop, replace(loop, controller=by.c32))
-    checks = [check for _, some in pairs for check in some]
-    return Evidence(subject.block.name, tuple(a for a, _ in pairs), (*checks, *last))
-
-
-def pair_with_c64(by: Mapping[str, agree.StepResults]) -> dict[str, Pair]:
-    """Return the results of each other witness beside those of the C in double precision."""
-    return {name: (by[name], by["c64"]) for name in suite.WITNESS_NAMES if name in by}
-
-
-def compare_witnesses(what: str, subject: Subject, by: Mapping[str, Pair]) -> list[Compared]:
-    """Compare each witness with the C in double precision, over the same steps."""
-    pairs: list[Compared] = []
-    for name, (results, c64) in by.items():
-        a = agree.compare(what, (name, results), ("c64", c64), FLOOR, subject.block)
-        apart, law = law_difference(subject, results, c64), f"{what}: next states of the law of {name} and c64"
-        checks = suite.exact_checks([a], f"max({FLOOR:g} A, |i|)")
-        pairs.append((a, [*checks, Check(law, apart, suite.DOUBLE_TOLERANCE, "max(|x|, what the motors meet)")]))
-    return pairs
-
-
-def law_difference(subject: Subject, first: agree.StepResults, second: agree.StepResults) -> float:
-    """Return the worst difference of the law's next states, relative to max(|value|, authority of the axis).
-
-    Their declared bounds are a hundred times the authority, too large a reference for 1e-12.
-    """
-    most, worst = allocation.authority(planar_stage.plant()), []
-    for state in random_steps.law_states(subject.block):
-        a, b = first.states[state], second.states[state]
-        worst.append(float(np.max(np.abs(a - b) / np.maximum(np.abs(a), most[random_steps.axis_of(state)]))))
-    return max(worst)
+def stimuli(subject: Subject) -> Stimuli:
+    """Return what drives the verification of a controller."""
+    most = allocation.authority(planar_stage.plant())
+    return Stimuli(
+        random=lambda block, n: random_steps.operating_steps(subject, planar_stage.plant(), n),
+        edge=random_steps.edge_steps,
+        random_checks=share_checks,
+        runs=lambda rig, whole: record_runs(rig, subject.step, WHOLE_REPLAY if whole else QUICK_REPLAY),
+        path_checks=single_against_double,
+        vectors=artefacts.record_inputs,
+        further=cost_stimuli.stimuli,
+        floor=FLOOR,
+        edge_floor=FLOOR,
+        unit="A",
+        counts=COUNTS,
+        authority={s: most[random_steps.axis_of(s)] for s in random_steps.law_states(subject.block)},
+    )
 
 
 def share_checks(states: Columns, c64: agree.StepResults) -> list[Check]:

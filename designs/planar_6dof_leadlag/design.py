@@ -1,13 +1,14 @@
 """The planar positioner of Yu and Kim under its lead-lag controller at 1 kHz, from physics to verified C."""
 
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
 from designs.planar_6dof import artefacts, assembly, vertical
-from designs.planar_6dof.paper import rows
-from designs.planar_6dof.random_steps import Subject
+from designs.planar_6dof.interface import Subject
 from designs.planar_6dof_leadlag import control, experiments, reference
 from models import planar_stage
+from synth import stage
 
 
 @cache
@@ -27,11 +28,19 @@ def gains() -> dict[str, Any]:
     }
 
 
-def report(*arguments: Any) -> str:
-    """Return the report. The page is imported here because `synth emit` runs without the plotting libraries."""
+def contents(of: stage.Stage, results: Any) -> Any:
+    """Return what the report has beyond the standard sections; `synth emit` does without what draws it."""
     from designs.planar_6dof_leadlag import page
 
-    return page.report(*arguments)
+    return page.contents(of, results)
+
+
+def audit_rows(shipped: Any) -> Iterator[Any]:
+    """Yield the rows of the audit for the shipped loop, a `Rig`."""
+
+    from designs.planar_6dof.paper import rows
+
+    return rows.leadlag(shipped)
 
 
 REQUIRE = {  # degrees and s; a little below the least in the middle and over a pitch
@@ -43,5 +52,5 @@ REQUIRE = {  # degrees and s; a little below the least in the middle and over a 
     "disk_margin": 0.25,
 }
 DESIGN = assembly.design(
-    control.NAME, control.TIME, subject, gains, experiments.ALL, rows.leadlag, report, ["circle"], require=REQUIRE
+    control.NAME, control.TIME, subject, gains, experiments.ALL, audit_rows, contents, ["circle"], require=REQUIRE
 )

@@ -31,7 +31,7 @@ PUBLISHED = {
 }
 
 
-def contents(plant: Plant) -> page.Contents:
+def of_plant(plant: Plant) -> page.Contents:
     """Return the contents of this design; report.md names the printed crossovers, in Hz."""
     printed = {f"crossover_{row}": rows.published_rows()[row]["crossover"].text for row in ("Y-7", "Y-8")}
     block, open_loops = control.controller(plant), all_loops(plant)
@@ -66,4 +66,4 @@ def without_filter(axis: str) -> list[Block]:
     ]
 
 
-report = partial(page.report, contents)
+contents = partial(page.extra, of_plant)

@@ -1,21 +1,21 @@
 """The planar positioner of Yu and Kim under its reduced-order LQG controller at 800 Hz, from physics to verified C."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache, partial
 from typing import Any
 
 from designs.planar_6dof import artefacts, assembly, lqg, vertical
 from designs.planar_6dof.allocation import HORIZONTAL
-from designs.planar_6dof.paper import rows
-from designs.planar_6dof.random_steps import Columns, Subject
+from designs.planar_6dof.interface import Subject
 from designs.planar_6dof_lqg import experiments, reference
 from models import planar_stage
+from synth import stage
 from synth.block import Block
 from synth.emit.c import digits
 from synth.statespace import Array
 
 
-def at_rest(block: Block, pose: Mapping[str, Array]) -> Columns:
+def at_rest(block: Block, pose: Mapping[str, Array]) -> dict[str, Array]:
     """Return x3 (N,) of platens at rest, -L times the position: up to 50 times what the motors can meet."""
     L = {c.name: c.value for c in block.constants}
     return {f"lqg_{axis}_x3": -L[f"lqg_{axis}_L"] * pose[axis] for axis in HORIZONTAL}
@@ -74,11 +74,19 @@ def _axis(axis: lqg.Axis) -> dict[str, Any]:
     }
 
 
-def report(*arguments: Any) -> str:
-    """Return the report; what draws it is imported here, since `synth emit` does not need it."""
+def contents(of: stage.Stage, results: Any) -> Any:
+    """Return what the report has beyond the standard sections; `synth emit` does without what draws it."""
     from designs.planar_6dof_lqg import page
 
-    return page.report(*arguments)
+    return page.contents(of, results)
+
+
+def audit_rows(shipped: Any) -> Iterator[Any]:
+    """Yield the rows of the audit for the shipped loop, a `Rig`."""
+
+    from designs.planar_6dof.paper import rows
+
+    return rows.lqg(shipped)
 
 
 REQUIRE = {  # degrees and s; a little below the least in the middle and over a pitch
@@ -90,5 +98,5 @@ REQUIRE = {  # degrees and s; a little below the least in the middle and over a 
     "disk_margin": 0.24,
 }
 DESIGN = assembly.design(
-    lqg.NAME, lqg.TIME, subject, gains, experiments.ALL, rows.lqg, report, ["step_x_large"], require=REQUIRE
+    lqg.NAME, lqg.TIME, subject, gains, experiments.ALL, audit_rows, contents, ["step_x_large"], require=REQUIRE
 )

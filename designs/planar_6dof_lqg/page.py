@@ -26,7 +26,7 @@ EQUATIONS = (
 LOW, HIGH, POINTS = 0.3, 0.999, 300  # Hz, of the Nyquist frequency, points of singular values
 
 
-def contents(plant: Plant) -> page.Contents:
+def of_plant(plant: Plant) -> page.Contents:
     """Return the contents of this design."""
     block, open_loops, whole = lqg.controller(plant), loops.all_loops(plant), (_horizontal_loop(plant),)
     values, cost = _values(plant), core.cost_table
@@ -71,4 +71,4 @@ def _singular(open_loops: Mapping[str, Mapping[str, StateSpace]]) -> tuple[Figur
     return tuple(plots)
 
 
-report = partial(page.report, contents)
+contents = partial(page.extra, of_plant)

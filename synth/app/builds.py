@@ -1,4 +1,4 @@
-"""Build of a design: its tasks side by side, the evidence of all of them, and the report.
+"""Build of a stage: its tasks side by side, the evidence of all of them, and the report.
 
     emit ----+--> verify, margins, simulate, study, faults, audit, cost --> evidence, report
 
@@ -18,11 +18,11 @@ from typing import Any
 from synth import __version__
 from synth.app import fault_jobs, tasks, verdicts
 from synth.app.tasks import Task, attempt
-from synth.app.workspace import Design
 from synth.base import cache, contents, sources, store
 from synth.base.jobs import Job
 from synth.base.progress import Progress, silent
 from synth.check import Check, Incomplete
+from synth.declare.stage import Stage
 from synth.emit import write
 from synth.errors import ContentError
 from synth.report import first_screen
@@ -56,7 +56,7 @@ class Complete:
 
 
 def source_key(root: Path, name: str) -> str:
-    """Return the key of a complete build of a design: its name, all sources of toolkit and workspace, the compilers.
+    """Return the key of a complete build of a stage: its name, all sources of toolkit and workspace, the compilers.
 
     No design is imported for it. It changes with any source, also of another design; the parts have keys of their own.
     """
@@ -68,38 +68,33 @@ def source_key(root: Path, name: str) -> str:
     return contents.digest(cache.environment(), tasks.compilers(), name, texts)
 
 
-def verify(design: Design, whole: bool, say: Progress) -> Evidence:
+def verify(stage: Stage, whole: bool, say: Progress) -> Evidence:
     """Return the evidence of a design's verification with the margins of its loops.
 
     Raises Incomplete with the evidence of one where the other raises an error.
     """
-    nothing = Evidence(design.name, (), ())
-    evidence, failed = attempt(partial(tasks.verification(design, whole).result, say), "verification", nothing)
-    loops, lost = attempt(partial(tasks.loops(design).result, say), "margins", None)
-    margins = verdicts.margins(design.stage, loops) if design.stage and not lost else []
+    nothing = Evidence(stage.name, (), ())
+    evidence, failed = attempt(partial(tasks.verification(stage, whole).result, say), "verification", nothing)
+    loops, lost = attempt(partial(tasks.loops(stage).result, say), "margins", None)
+    margins = verdicts.margins(stage, loops) if not lost else []
     evidence = replace(evidence, checks=(*failed, *lost, *margins, *evidence.checks), loops=loops)
     if failed or lost:
         raise Incomplete(evidence, (*failed, *lost))
     return evidence
 
 
-def build(design: Design) -> Task[Built]:
+def build(stage: Stage) -> Task[Built]:
     """Return the task of the report, from the results of all other tasks.
 
     It raises Incomplete with what it built where some of them raise errors.
     """
-    emit, witnesses, simulate = (
-        tasks.emission(design, design.scalar),
-        tasks.verification(design, False),
-        tasks.simulations(design),
+    emit, witnesses, margins = (
+        tasks.emission(stage, stage.scalar),
+        tasks.verification(stage, False),
+        tasks.loops(stage),
     )
-    study, campaign, audit, cost = (
-        tasks.brief_study(design),
-        tasks.faults(design),
-        tasks.audit(design),
-        tasks.brief_cost(design),
-    )
-    margins, further, stage = tasks.loops(design), tasks.report_parts(design), design.stage
+    simulate, study, campaign = tasks.experiments(stage), tasks.brief_study(stage), tasks.faults(stage)
+    audit, cost = tasks.audit(stage), tasks.brief_cost(stage)
 
     def compute(say: Progress) -> Built:
         failed: list[Check] = []
@@ -110,46 +105,45 @@ def build(design: Design) -> Task[Built]:
             return value
 
         files = emit.result(silent)
-        evidence = result("verification", witnesses.result, Evidence(design.name, (), ()))
+        evidence = result("verification", witnesses.result, Evidence(stage.name, (), ()))
         loops = result("margins", margins.result)
-        runs = result("experiments", partial(tasks.experiments, design), [])
+        runs = result("experiments", simulate.result, [])
         faults, rows = result("faults", campaign.result), result("audit", audit.result, [])
         table, measured = result("study", study.result), result("cost", cost.result)
-        parts = {name: result(name, task.result) for name, task in further.items()}
-        if stage is not None and table is not None:
+        if table is not None:
             table = result("limits of the study", lambda _: verdicts.with_limits(stage, table), table)
         made = verdicts.of_build(stage, loops, table, faults, rows, measured)
         evidence = replace(evidence, loops=loops, faults=faults, study=table, verdicts=made)
         say("report")
-        draw = partial(design.report, files, evidence, runs, rows, measured, **({"parts": parts} if parts else {}))
+        draw = partial(_draw, stage, files, evidence, runs, rows, measured)
         page, lost = attempt(draw, "report", "")
         failed += lost
         rows_shown = verdicts.requirements(failed, evidence, runs)
         checks = tuple(check for row in rows_shown for check in row.checks)
-        page = first_screen.put(page or _page_of_checks(design.name, checks), rows_shown, version(design))
+        page = first_screen.put(page or _page_of_checks(stage.name, checks), rows_shown, version(stage))
         built = Built(page, replace(evidence, checks=checks).document(), rows_shown)
         if failed:
             raise Incomplete(built, failed)  # which is not cached
         return built
 
     try:
-        inputs: list[Task[Any]] = [
-            emit,
-            witnesses,
-            margins,
-            *simulate.values(),
-            study,
-            campaign,
-            audit,
-            cost,
-            *further.values(),
-        ]
+        inputs: list[Task[Any]] = [emit, witnesses, margins, simulate, study, campaign, audit, cost]
         keys = [task.key() for task in inputs]
     except ContentError:  # the report has no key where one of its inputs has none
-        return Task("report", compute, (design.report, object()))
-    limits = (stage.study, stage.require, stage.faults) if stage else None
-    made_by = (verdicts.of_build, verdicts.requirements, first_screen.put, __version__)
-    return Task("report", compute, (design.report, *made_by, limits, *keys))
+        return Task("report", compute, (_draw, object()))
+    limits = (stage.study, stage.require, stage.faults)
+    made_by = (stage.contents or no_contents, verdicts.of_build, verdicts.requirements, first_screen.put, __version__)
+    return Task("report", compute, (_draw, *made_by, limits, *keys))
+
+
+def no_contents() -> None:
+    """Stand for what a stage adds to the standard report where it adds nothing."""
+
+
+def _draw(stage: Stage, files: Any, evidence: Evidence, runs: Any, rows: Any, cost: Any) -> str:
+    from synth.report import template  # matplotlib takes longer to import than all else together
+
+    return template.report(stage, template.Results(files, evidence, runs, rows, cost))
 
 
 def _page_of_checks(name: str, checks: Sequence[Check]) -> str:
@@ -158,10 +152,10 @@ def _page_of_checks(name: str, checks: Sequence[Check]) -> str:
     return template.of_checks(name, checks)
 
 
-def version(design: Design) -> str:
-    """Return the versions of the toolkit and of the sources of a design: a digest of what its results follow from."""
+def version(stage: Stage) -> str:
+    """Return the versions of the toolkit and of the sources of a stage: a digest of what its results follow from."""
     try:
-        sources = contents.digest(design)[:12]
+        sources = contents.digest(stage)[:12]
     except ContentError:
         sources = "without a digest, since they cannot be read"
     return f"synth {__version__}, sources {sources}"
@@ -173,47 +167,45 @@ def save(folders: Mapping[str, Mapping[str, str]], root: Path) -> None:
         write.save(texts, root / "generated_c" / folder)
 
 
-def build_jobs(designs: Sequence[Design], root: Path, keys: Mapping[str, str]) -> list[Job]:
+def build_jobs(designs: Sequence[Stage], root: Path, keys: Mapping[str, str]) -> list[Job]:
     """Return the jobs that build designs; the last of each has the design's name and returns a Built.
 
     The C is written to `root`/generated_c as soon as it is emitted. A complete build is stored under the key of the
     design in `keys`, from `source_key`.
     """
-    return [job for design in designs for job in _build_jobs(design, root, keys[design.name])]
+    return [job for stage in designs for job in _build_jobs(stage, root, keys[stage.name])]
 
 
-def _build_jobs(design: Design, root: Path, key: str) -> list[Job]:
-    name = design.name
+def _build_jobs(stage: Stage, root: Path, key: str) -> list[Job]:
+    name = stage.name
 
     def emit(say: Progress) -> Mapping[str, Mapping[str, str]]:
-        folders = {folder: code.files for folder, code in tasks.emission(design, design.scalar).result(say).items()}
+        folders = {folder: code.files for folder, code in tasks.emission(stage, stage.scalar).result(say).items()}
         save(folders, root)
         return folders
 
     def finish(say: Progress) -> Built:
         try:
-            return store.fetch(key, lambda: Complete(emit(silent), build(design).result(say))).built
+            return store.fetch(key, lambda: Complete(emit(silent), build(stage).result(say))).built
         except Incomplete as incomplete:
             built: Built = incomplete.value
             return built
 
     first = f"{name} emit"
-    parts = {f"simulate {part}": task for part, task in tasks.simulations(design).items()}
     each: tuple[tuple[str, Task[Any], tuple[str, ...]], ...] = (
-        *((what, task, (first,)) for what, task in parts.items()),
-        ("study", tasks.brief_study(design), (first, *(f"{name} {what}" for what in parts))),
-        ("verify", tasks.verification(design, False), (first,)),
-        ("margins", tasks.loops(design), (first,)),
-        ("cost", tasks.brief_cost(design), (first,)),
-        ("audit", tasks.audit(design), (first,)),
-        *((f"report {part}", task, (first, f"{name} verify")) for part, task in tasks.report_parts(design).items()),
+        ("simulate experiments", tasks.experiments(stage), (first,)),
+        ("study", tasks.brief_study(stage), (first, f"{name} simulate experiments")),
+        ("verify", tasks.verification(stage, False), (first,)),
+        ("margins", tasks.loops(stage), (first,)),
+        ("cost", tasks.brief_cost(stage), (first,)),
+        ("audit", tasks.audit(stage), (first,)),
     )
     for _, task, _ in each:
         with suppress(ContentError):
             task.key()  # in this process: what the keys of all are made of is read once, and the others begin with it
     jobs = [Job(f"{name} {what}", name, task.result, after) for what, task, after in each]
-    if fault_jobs.closes_loop(design):
-        jobs += fault_jobs.jobs(design, fault_jobs.basic(design), (first,))
+    if fault_jobs.closes_loop(stage):
+        jobs += fault_jobs.jobs(stage, fault_jobs.basic(stage), (first,))
     jobs = [replace(job, run=_in_the_cache(job.run)) for job in jobs]
     return [Job(first, name, emit), *jobs, Job(name, name, finish, tuple(job.name for job in jobs))]
 

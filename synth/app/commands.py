@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from synth.app import builds, fault_jobs, tables, tasks, workspace
+from synth.app import builds, fault_jobs, standard_tasks, tables, tasks, workspace
 from synth.app.command_results import Failed, finish, run_jobs, successful, writer
 from synth.app.new import create
 from synth.app.tasks import attempt
@@ -22,12 +22,14 @@ from synth.base import progress, store, strict_json
 from synth.base.jobs import Job
 from synth.base.progress import Progress
 from synth.check import Check
+from synth.declare.stage import Stage
 from synth.emit import write
 from synth.emit.c import vectors
 from synth.report import first_screen
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.simulate.faults.fault_rows import Campaign
+from synth.verify import standard
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.proofs import prove as proofs
@@ -39,23 +41,23 @@ PROOFS = 5  # lines that `prove` reports for each folder of C
 Names = Sequence[str]
 
 
-def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool, fresh: bool) -> dict[str, Any]:
+def _run(jobs: Sequence[Job], designs: Sequence[Stage], as_json: bool, fresh: bool) -> dict[str, Any]:
     """Run jobs in parallel; return for each design the value of the job of its name, or a Failed."""
     outcomes = run_jobs(jobs, as_json, fresh)
     return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
 
 
 def _for_each_design(
-    names: Names, as_json: bool, fresh: bool, work: Callable[[workspace.Design, Progress], Any]
+    names: Names, as_json: bool, fresh: bool, work: Callable[[Stage, Progress], Any]
 ) -> dict[str, Any]:
-    """Do the same work on each design, in parallel; return the results by name."""
+    """Do the same work on each stage, in parallel; return the results by name."""
     designs = workspace.designs(Path.cwd(), names)
     jobs = [Job(d.name, d.name, partial(work, d)) for d in designs]
     return _run(jobs, designs, as_json, fresh)
 
 
 def build(names: Names, as_json: bool, fresh: bool) -> int:
-    """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
+    """Regenerate gains and C, verify, simulate, audit, and write the report of each stage."""
     root, documents, screens = Path.cwd(), [], dict[str, Sequence[first_screen.Row]]()
     results = dict[str, Any]()
     # Stored results count as missing also for the choice of the jobs.
@@ -104,30 +106,30 @@ class Verified:
     notes: Sequence[str] = ()
 
 
-def _on_host(design: workspace.Design, report: Progress) -> Verified:
-    evidence, _ = attempt(partial(builds.verify, design, True, report), "verification", Evidence(design.name, (), ()))
+def _on_host(stage: Stage, report: Progress) -> Verified:
+    evidence, _ = attempt(partial(builds.verify, stage, True, report), "verification", Evidence(stage.name, (), ()))
     return Verified(evidence.document(), evidence.checks, {})
 
 
-def _on_target(core: str, design: workspace.Design, report: Progress) -> Verified:
+def _on_target(core: str, stage: Stage, report: Progress) -> Verified:
     """Replay on the host and on a core: the document, the checks, and the drift with contraction as measured values."""
     from synth.execute import cross, host
     from synth.verify import on_target
 
-    folders = dict(tasks.emission(design, CORES[core]).result(report))
-    emitted = folders.pop(design.name)
-    inputs = design.cost_stimuli.replay(host.load(emitted.files, emitted.manifest))
+    folders = dict(tasks.emission(stage, CORES[core]).result(report))
+    emitted = folders.pop(stage.name)
+    inputs = standard_tasks.replay_inputs(stage, host.load(emitted.files, emitted.manifest))
     checks = [*on_target.verify(emitted, inputs, core, report)]
     for folder, companion in folders.items():
-        recorded, count = vectors.inputs(companion.files["vectors.json"]), _in_folder(report, folder, design.name)
+        recorded, count = vectors.inputs(companion.files["vectors.json"]), _in_folder(report, folder, stage.name)
         checks += [replace(c, name=f"{folder}, {c.name}") for c in on_target.verify(companion, recorded, core, count)]
-    document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
+    document: dict[str, Any] = {"design": stage.name, "target": core, "checks": _checks(checks), "drift": None}
     if "gcc" not in cross.available():
         note = "drift with contraction: arm-none-eabi-gcc is not installed, not measured"
         report(note)
         return Verified(document, checks, {}, (note,))
-    drift = on_target.drift(emitted, inputs, core, design.cost_stimuli.floor)
-    floor = design.cost_stimuli.floor
+    floor = standard.stimuli_of(stage).floor
+    drift = on_target.drift(emitted, inputs, core, floor)
     least = f"{floor:g}" if isinstance(floor, float) else "floor"
     what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
     figures = {what: drift.worst, "fault words that differ": float(drift.faults)}
@@ -137,8 +139,8 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
 def cost(names: Names, as_json: bool, fresh: bool) -> int:
     """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
 
-    def measure(design: workspace.Design, report: Progress) -> list[Cost]:
-        return [tasks.whole_cost(design).result(report), *tasks.companion_costs(design).result(report)]
+    def measure(stage: Stage, report: Progress) -> list[Cost]:
+        return [tasks.whole_cost(stage).result(report), *tasks.companion_costs(stage).result(report)]
 
     results = _for_each_design(names, as_json, fresh, measure)
     costs = [cost for each in successful(results) for cost in each]
@@ -150,11 +152,11 @@ def cost(names: Names, as_json: bool, fresh: bool) -> int:
 def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
     """Prove the emitted C, as deep as the proofs go or a subset."""
 
-    def run_proofs(design: workspace.Design, report: Progress) -> dict[str, list[Check]]:
-        emitted = tasks.emission(design, design.scalar).result(report)
+    def run_proofs(stage: Stage, report: Progress) -> dict[str, list[Check]]:
+        emitted = tasks.emission(stage, stage.scalar).result(report)
         count = progress.numbered(report, PROOFS * len(emitted))
         return {
-            folder: list(proofs.prove(e.files, e.manifest, whole, _in_folder(count, folder, design.name)))
+            folder: list(proofs.prove(e.files, e.manifest, whole, _in_folder(count, folder, stage.name)))
             for folder, e in emitted.items()
         }
 
@@ -175,8 +177,8 @@ def _in_folder(report: Progress, folder: str, design: str) -> Progress:
 def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     """Run each design's experiments on the full plant with the compiled C in the loop."""
 
-    def run_experiments(design: workspace.Design, report: Progress) -> list[Verified]:
-        runs, failed = attempt(partial(tasks.experiments, design, report), "experiments", list[Experiment]())
+    def run_experiments(stage: Stage, report: Progress) -> list[Verified]:
+        runs, failed = attempt(partial(tasks.experiments(stage).result, report), "experiments", list[Experiment]())
         errors = {"name": "errors", "title": "Errors", "figures": {}, "checks": _checks(failed)}
         verified = [Verified(_experiment(e), e.checks, e.figures) for e in runs]
         return [*verified, *([Verified(errors, failed, {})] if failed else [])]
@@ -207,7 +209,7 @@ def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool, s
 
 
 def _campaign(*arguments: Any) -> tuple[Campaign | None, list[Check]]:
-    """Return the campaign of a design, and a failed check for each part that raised an error."""
+    """Return the campaign of a stage, and a failed check for each part that raised an error."""
     return attempt(partial(fault_jobs.result, *arguments), "faults", None)
 
 
@@ -226,7 +228,7 @@ def _on_machine(
     names: Names,
     as_json: bool,
     fresh: bool,
-    parts: Callable[[workspace.Design], Sequence[fault_jobs.Part]],
+    parts: Callable[[Stage], Sequence[fault_jobs.Part]],
     result: Callable[..., Any],
 ) -> dict[str, Any]:
     """Run parts of the fault campaign of each design that closes a loop; return the results by name."""
@@ -244,8 +246,8 @@ def _on_machine(
 def audit(names: Names, as_json: bool, fresh: bool) -> int:
     """Recompute every published value: published, recomputed, verdict, why. Only an error fails the command."""
 
-    def recompute(design: workspace.Design, report: Progress) -> tuple[list[Row], list[Check]]:
-        return attempt(partial(tasks.audit(design).result, report), "audit", [])
+    def recompute(stage: Stage, report: Progress) -> tuple[list[Row], list[Check]]:
+        return attempt(partial(tasks.audit(stage).result, report), "audit", [])
 
     results = _for_each_design(names, as_json, fresh, recompute)
     rows, failed = ([each for pair in successful(results) for each in pair[k]] for k in (0, 1))
@@ -258,10 +260,10 @@ def audit(names: Names, as_json: bool, fresh: bool) -> int:
 
 def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
     """Write a design's C, header, manifest, gains and vectors to a folder, in a scalar type, and print their paths."""
-    (design,) = workspace.designs(Path.cwd(), [name])
+    (stage,) = workspace.designs(Path.cwd(), [name])
     say = partial(writer(False), name)
     with store.fresh_run() if fresh else nullcontext():
-        emitted = tasks.emission(design, SCALARS[scalar]).result(say)
+        emitted = tasks.emission(stage, SCALARS[scalar]).result(say)
     for folder, files in emitted.items():
         write.save(files.files, out / folder)
         say(f"{', '.join(files.files)} in {out / folder}")

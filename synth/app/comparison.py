@@ -7,7 +7,6 @@ from synth.analyse.loops import robustness
 from synth.app import study_jobs, study_runs, tasks
 from synth.app.study_jobs import Plan
 from synth.app.tasks import Task
-from synth.app.workspace import Design
 from synth.base.jobs import Job, Outcome
 from synth.base.progress import Progress
 from synth.declare.stage import Stage
@@ -17,10 +16,10 @@ from synth.simulate import study
 from synth.simulate.sampling import Sampling
 from synth.verify import standard
 
-MARGINS = (*robustness.REQUIREMENTS, standard.DISK)
+MARGINS = (*robustness.REQUIREMENTS, robustness.DISK)
 
 
-def plan_of(designs: tuple[Design, Design], drawn: Sampling, patterns: tuple[str, ...]) -> Plan:
+def plan_of(designs: tuple[Stage, Stage], drawn: Sampling, patterns: tuple[str, ...]) -> Plan:
     """Return the study of the experiments that both designs have and whose names match, all without patterns.
 
     Raises DesignError for a design and itself, for designs of different plants or sensors, for designs without an
@@ -66,26 +65,26 @@ def _text(quantity: tuple[str, float, float] | None) -> str:
     return "{} = {:g} (+- {:g})".format(*quantity) if quantity else "nothing more"
 
 
-def jobs(designs: tuple[Design, Design], plan: Plan) -> list[Job]:
+def jobs(designs: tuple[Stage, Stage], plan: Plan) -> list[Job]:
     """Return the jobs of a comparison, the results of which `sides` puts together."""
-    return [job for design in designs for job in _jobs(design, plan)]
+    return [job for stage in designs for job in _jobs(stage, plan)]
 
 
-def _jobs(design: Design, plan: Plan) -> list[Job]:
-    name, cost = design.name, tasks.brief_cost(design)
-    margins = Job(_margins(design), name, _least_margins(study_jobs.stage_of(design)).result)
-    return [*study_jobs.jobs(design, plan), margins, Job(_cost(design), name, cost.result)]
+def _jobs(stage: Stage, plan: Plan) -> list[Job]:
+    name, cost = stage.name, tasks.brief_cost(stage)
+    margins = Job(_margins(stage), name, _least_margins(study_jobs.stage_of(stage)).result)
+    return [*study_jobs.jobs(stage, plan), margins, Job(_cost(stage), name, cost.result)]
 
 
-def sides(designs: tuple[Design, Design], plan: Plan, outcomes: Mapping[str, Outcome]) -> tuple[Side, Side]:
+def sides(designs: tuple[Stage, Stage], plan: Plan, outcomes: Mapping[str, Outcome]) -> tuple[Side, Side]:
     """Return both designs with their results from the outcomes of all jobs, none of which failed."""
-    first, second = (_side(design, plan, outcomes) for design in designs)
+    first, second = (_side(stage, plan, outcomes) for stage in designs)
     return first, second
 
 
-def _side(design: Design, plan: Plan, outcomes: Mapping[str, Outcome]) -> Side:
-    table = study_jobs.result(design, plan, outcomes)
-    return Side(design.name, table, outcomes[_margins(design)].value, outcomes[_cost(design)].value)
+def _side(stage: Stage, plan: Plan, outcomes: Mapping[str, Outcome]) -> Side:
+    table = study_jobs.result(stage, plan, outcomes)
+    return Side(stage.name, table, outcomes[_margins(stage)].value, outcomes[_cost(stage)].value)
 
 
 def _least_margins(stage: Stage) -> Task[dict[str, float]]:
@@ -100,9 +99,9 @@ def _least_margins(stage: Stage) -> Task[dict[str, float]]:
     return Task("margins", compute, (standard.least_margins, robustness.survey, stage))
 
 
-def _margins(design: Design) -> str:
-    return f"{design.name} margins"
+def _margins(stage: Stage) -> str:
+    return f"{stage.name} margins"
 
 
-def _cost(design: Design) -> str:
-    return f"{design.name} cost"
+def _cost(stage: Stage) -> str:
+    return f"{stage.name} cost"

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
 from synth.app import standard_tasks
-from synth.app.workspace import Design
 from synth.base import cache, contents, store
 from synth.base.jobs import Job, Outcome
 from synth.base.progress import Counted, Progress, silent
@@ -66,49 +65,47 @@ class Part:
     what: str
 
 
-def stage_of(design: Design) -> Stage:
-    """Return the declared stage of a design; raise DesignError without one, or without an actuator."""
-    if not closes_loop(design) or design.stage is None:
-        raise DesignError(
-            f"design '{design.name}' closes no loop: a fault campaign needs a declared stage with actuators"
-        )
-    return design.stage
+def stage_of(stage: Stage) -> Stage:
+    """Return a stage that closes a loop; raise DesignError for one without an actuator."""
+    if not closes_loop(stage):
+        raise DesignError(f"design '{stage.name}' closes no loop: a fault campaign needs a stage with actuators")
+    return stage
 
 
-def closes_loop(design: Design) -> bool:
-    """Return whether a design is a declared stage with actuators."""
-    return design.stage is not None and bool(design.stage.interface.actuators)
+def closes_loop(stage: Stage) -> bool:
+    """Return whether a stage has actuators."""
+    return bool(stage.interface.actuators)
 
 
-def parts(design: Design, plants: int, sweep: bool = False) -> list[Part]:
+def parts(stage: Stage, plants: int, sweep: bool = False) -> list[Part]:
     """Return the parts of a campaign: of each plant and condition, then the sweeps on the nominal plant.
 
     Raises DesignError as `stage_of`.
     """
-    stage = stage_of(design)
+    stage_of(stage)
     return [
         *(part for plant in range(plants) for part in _parts(stage, plant, RUNS)),
         *(_parts(stage, 0, SWEEPS) if sweep else ()),
     ]
 
 
-def basic(design: Design) -> list[Part]:
+def basic(stage: Stage) -> list[Part]:
     """Return the parts of the faults that a build runs on the nominal plant; raise DesignError as `stage_of`."""
-    return list(_parts(stage_of(design), 0, BASIC))
+    return list(_parts(stage_of(stage), 0, BASIC))
 
 
-def losses(design: Design, plants: int) -> list[Part]:
+def losses(stage: Stage, plants: int) -> list[Part]:
     """Return the parts that `safe_output` needs; raise DesignError as `stage_of`."""
-    stage = stage_of(design)
+    stage_of(stage)
     return [part for plant in range(plants) for part in _parts(stage, plant, LOSSES)]
 
 
-def jobs(design: Design, parts: Sequence[Part], after: Sequence[str] = ()) -> list[Job]:
-    """Return the jobs of a design: one that compiles, after the jobs in `after`, and one for each part.
+def jobs(stage: Stage, parts: Sequence[Part], after: Sequence[str] = ()) -> list[Job]:
+    """Return the jobs of a stage: one that compiles, after the jobs in `after`, and one for each part.
 
     A part returns its chunks. Raises DesignError as `stage_of`.
     """
-    stage, name = stage_of(design), design.name
+    name = stage_of(stage).name
     first = f"{name} compile"
     with suppress(SynthError):  # the job that compiles reports it
         _identity(stage)  # composed here, the controller is composed in every process that is forked
@@ -116,19 +113,19 @@ def jobs(design: Design, parts: Sequence[Part], after: Sequence[str] = ()) -> li
     return [Job(first, name, partial(_compile, stage), tuple(after)), *runs]
 
 
-def result(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None = None) -> Campaign:
-    """Return the campaign of a design, from the outcomes of all jobs, none of which failed, or from the cache.
+def result(stage: Stage, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None = None) -> Campaign:
+    """Return the campaign of a stage, from the outcomes of all jobs, none of which failed, or from the cache.
 
     Raises DesignError as `stage_of`, SignalError as `fault_rows.campaign`, and Incomplete where a run raised an error,
     with the campaign of the others, None where there is none.
     """
-    of_parts = _all_chunks(design, parts, outcomes)
+    of_parts = _all_chunks(stage, parts, outcomes)
     chunks, failed = [c for each in of_parts for c in each.computed], [c for each in of_parts for c in each.failed]
     if failed and not chunks:
         raise Incomplete(None, failed)
     healthy = {(c.healthy.plant, c.healthy.condition): c.healthy for c in chunks}
     whole = fault_rows.campaign(
-        _rigs(stage_of(design))[0],
+        _rigs(stage_of(stage))[0],
         len({plant for plant, _ in healthy}),
         list(healthy.values()),
         [run for c in chunks for run in c.runs],
@@ -140,24 +137,24 @@ def result(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome
     return whole
 
 
-def safe_output(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None = None) -> SafeOutput:
+def safe_output(stage: Stage, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None = None) -> SafeOutput:
     """Return what the machine does after the latch, from the parts of `losses`; other arguments as `result`.
 
     Raises DesignError as `stage_of`, and where no run latches; Incomplete where a run raised an error.
     """
-    stage, of_parts = stage_of(design), _all_chunks(design, parts, outcomes)
+    stage, of_parts = stage_of(stage), _all_chunks(stage, parts, outcomes)
     if failed := [check for each in of_parts for check in each.failed]:
         raise Incomplete(None, failed)
     runs = [run for each in of_parts for chunk in each.computed for run in chunk.runs]
     latched = [run for run in runs if math.isfinite(run.latch_s)]
     if not latched:
         raise DesignError(
-            f"design '{design.name}': of {len(runs)} lost sensors none latches; there is nothing to measure"
+            f"design '{stage.name}': of {len(runs)} lost sensors none latches; there is nothing to measure"
         )
     units = {s.name: per_second(s.unit) for s in stage.plant.states if s.name in latched[0].speeds}
     conditions = {name: [run for run in latched if run.condition == name] for name in campaign.condition_names(stage)}
     return SafeOutput(
-        f"synth faults {design.name} --write",
+        f"synth faults {stage.name} --write",
         len({part.plant for part in parts}),
         len(runs),
         len(latched),
@@ -172,9 +169,9 @@ def _largest(values: Sequence[Mapping[str, float]], positions: Iterable[str]) ->
     return {q: float(f"{max((v[q] for v in values), default=0.0):.3g}") for q in positions}
 
 
-def _all_chunks(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None) -> list[Chunks]:
-    stage = stage_of(design)
-    return [outcomes[_name(design.name, part)].value if outcomes else _run_part(stage, part, silent) for part in parts]
+def _all_chunks(stage: Stage, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None) -> list[Chunks]:
+    stage_of(stage)
+    return [outcomes[_name(stage.name, part)].value if outcomes else _run_part(stage, part, silent) for part in parts]
 
 
 def _parts(stage: Stage, plant: int, what: str) -> Iterator[Part]:

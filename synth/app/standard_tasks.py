@@ -1,25 +1,17 @@
-"""Standard tasks of a stage, which the command line runs for a design that does not define its own.
+"""What the command line computes of a declared stage: its C, its experiments, and the stimuli of its machine code.
 
-emit           C, manifest, gains and test vectors of the controller and of its companions
-simulate       the experiments of the stage, in closed loop with the emitted C
-cost_stimuli   inputs and states for the measurement of the machine code's cost
-report         the standard report as HTML
-no_audit       the audit of a stage without a publication
-
-The task `verify` is in `synth.verify.standard`. A companion is a Block that is emitted beside the controller, such as
-the commutation of a motor (`synth.declare.companion`).
+The verification is in `synth.verify.standard`, the report in `synth.report.template`. A companion is a Block that is
+emitted beside the controller, such as the commutation of a motor (`synth.declare.companion`).
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.app.workspace import CostStimuli
 from synth.base.progress import Progress
 from synth.block import Block
 from synth.blocks.guard import safety
@@ -32,14 +24,11 @@ from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import build, host
 from synth.failure import with_reactions
-from synth.report.audit import Row
 from synth.simulate import experiments, headroom
 from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
-from synth.verify import agree, stimuli
-from synth.verify.cost import Cost
-from synth.verify.evidence import Evidence
+from synth.verify import standard, stimuli
 from synth.verify.steps import Steps
 
 
@@ -84,7 +73,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
         latency=_latency(stage),
     )
     controller = host.load(files.files, files.manifest)
-    record_inputs = stage.recording or record
+    record_inputs = standard.stimuli_of(stage).vectors or record
     inputs = dict(record_inputs(rigs.of_stage(stage, controller)))
     replay = controller.replay(inputs)
     folders = {stage.name: _with_vectors(files, inputs, replay)}
@@ -183,6 +172,8 @@ def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
 
 def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
     """Run the experiments with the emitted C; raise Incomplete as `experiments.run`."""
+    if not stage.experiments:
+        return []
     return experiments.run(rig(stage, stage.scalar), stage.experiments, progress)
 
 
@@ -195,50 +186,25 @@ def with_headroom(stage: Stage, run: Experiment) -> Experiment:
     return headroom.with_headroom(run, compiled_controller(stage, np.float64), stage.limited, constants)
 
 
-SIMULATE: Mapping[str, Callable[[Stage, Progress], list[Experiment]]] = MappingProxyType({"experiments": simulate})
+def replay_inputs(stage: Stage, controller: host.Controller) -> Mapping[str, Any]:
+    """Return the inputs (N,) with which the machine code is replayed: a closed loop with faults."""
+    hooks = standard.stimuli_of(stage)
+    if hooks.replay:
+        return hooks.replay(controller)
+    return stimuli.closed_loop(rigs.of_stage(stage, controller), stimuli.REPLAY_STEPS).measured
 
 
-def no_audit(stage: Stage) -> Iterator[Row]:
-    """Yield no rows: a stage without a publication has no published values to compare with."""
-    return iter(())
+def cost_sequences(stage: Stage, controller: host.Controller, progress: Progress) -> Sequence[Steps]:
+    """Return the steps that look for the costliest one and reach every decision of the machine code."""
+    hooks = standard.stimuli_of(stage)
+    if hooks.sequences:
+        return hooks.sequences(controller, progress)
+    loop = rigs.of_stage(stage, controller)
+    return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, hooks.further(controller))
 
 
-def _no_steps(controller: host.Controller) -> Sequence[Steps]:
-    return ()
-
-
-def cost_stimuli(
-    stage: Stage, further_steps: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
-) -> CostStimuli:
-    """Return the stimuli with which the cost of the machine code is measured.
-
-    `further_steps` returns steps that only this stage needs. `floor` is the least magnitude to which a difference
-    between the outputs of the machine code and of the host is related (`agree.floors`).
-    """
-
-    def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
-        return stimuli.closed_loop(rigs.of_stage(stage, controller), stimuli.REPLAY_STEPS).measured
-
-    def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
-        loop = rigs.of_stage(stage, controller)
-        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
-
-    law = stage.law_alone
-    alone = (
-        None if law is None else lambda: write.emit(law.block, np.float32, error=stage.surrogate_error.get(np.float32))
-    )
-    return CostStimuli(lambda: stage.controller.block, replay, sequences, floor, alone)
-
-
-def report(
-    stage: Stage,
-    files: Mapping[str, EmittedCode],
-    evidence: Evidence,
-    runs: Sequence[Experiment],
-    rows: Sequence[Row],
-    cost: Cost | None,
-) -> str:
-    """Return the report as one HTML document."""
-    from synth.report import template  # matplotlib takes longer to import than all else together
-
-    return template.report(stage, files, evidence, runs, rows, cost)
+def law_alone(stage: Stage) -> EmittedCode | None:
+    """Return the C of the law without its fault handling, in single precision, where the stage names it."""
+    if stage.law_alone is None:
+        return None
+    return write.emit(stage.law_alone.block, np.float32, error=stage.surrogate_error.get(np.float32))

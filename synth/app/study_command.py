@@ -11,10 +11,10 @@ from synth.app import study_jobs, tables, verdicts, workspace
 from synth.app.command_results import run_jobs
 from synth.app.study_jobs import Plan
 from synth.app.tasks import attempt
-from synth.app.workspace import Design
 from synth.base import store, strict_json
 from synth.base.jobs import Job
 from synth.check import Check
+from synth.declare.stage import Stage
 from synth.errors import DesignError
 from synth.report import study as report
 from synth.simulate import sampling, study_table, worst_case
@@ -47,27 +47,27 @@ class StudyChoice:
 
 def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
     """Run the experiments of a design on many machines, and print distributions, yield and drivers."""
-    (design,) = workspace.designs(Path.cwd(), [name])
+    (stage,) = workspace.designs(Path.cwd(), [name])
     if chosen.files.parquet is not None:
         study_table.require_parquet()
     for path in (chosen.files.csv, chosen.files.parquet, chosen.files.report):
         if path is not None and (path.is_dir() or not path.parent.is_dir()):
             raise DesignError(f"the file {path} cannot be written: give a name in a folder that exists")
     drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
-    patterns = chosen.experiments or study_jobs.stage_of(design).study.experiments
+    patterns = chosen.experiments or study_jobs.stage_of(stage).study.experiments
     plan = study_jobs.Plan(drawn, patterns)
-    outcomes = run_jobs(_jobs(design, plan, chosen), as_json, fresh)
+    outcomes = run_jobs(_jobs(stage, plan, chosen), as_json, fresh)
     if any(outcome.error for outcome in outcomes.values()):
         return 2
-    table = outcomes[name].value if name in outcomes else study_jobs.result(design, plan, outcomes)
+    table = outcomes[name].value if name in outcomes else study_jobs.result(stage, plan, outcomes)
     worst = None
     if chosen.search is not None:
-        climb = partial(study_jobs.search, design, plan, table, chosen.search)
+        climb = partial(study_jobs.search, stage, plan, table, chosen.search)
         outcome = run_jobs([Job(name, name, climb)], as_json, fresh)[name]
         if outcome.error:
             return 2
         worst = outcome.value
-    stage = study_jobs.stage_of(design)
+    stage = study_jobs.stage_of(stage)
     table, failed = attempt(partial(verdicts.with_limits, stage, table), "limits of the study", table)
     checks = [*failed, *verdicts.study(stage, table)]
     _write(name, table, worst, chosen.files)
@@ -76,12 +76,12 @@ def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
     return int(not all(c.passed for c in checks) or not (declared or table.passed.all()))
 
 
-def _jobs(design: Design, plan: Plan, chosen: StudyChoice) -> list[Job]:
-    jobs = study_jobs.jobs(design, plan)
+def _jobs(stage: Stage, plan: Plan, chosen: StudyChoice) -> list[Job]:
+    jobs = study_jobs.jobs(stage, plan)
     if chosen.row is not None:
-        return [Job(design.name, design.name, partial(study_jobs.row, design, plan, chosen.row))]
+        return [Job(stage.name, stage.name, partial(study_jobs.row, stage, plan, chosen.row))]
     if chosen.scheduler is not None:
-        return [Job(design.name, design.name, partial(study_jobs.on_cluster, design, plan, chosen.scheduler))]
+        return [Job(stage.name, stage.name, partial(study_jobs.on_cluster, stage, plan, chosen.scheduler))]
     return jobs
 
 

@@ -1,6 +1,6 @@
 """Jobs of a study: chunks of rows, in processes on this machine or by the workers of a dask cluster.
 
-A chunk is a function of the design, the sampling and its first row. It is stored under the content of all that it
+A chunk is a function of the stage, the sampling and its first row. It is stored under the content of all that it
 follows from, in one step: a study that was stopped goes on where it was, and a chunk that a lost worker computed in
 part is computed again. Chunks are put together in the order of their rows. A process runs several chunks, one after
 another, since it prepares the loops of all experiments once.
@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from synth.app import study_runs, tasks, workspace
-from synth.app.workspace import Design
 from synth.base import cache, store
 from synth.base.jobs import Job, Outcome, cores
 from synth.base.progress import Counted, Progress
@@ -49,68 +48,68 @@ class Plan:
         return [self.chunks[n * i // k : n * (i + 1) // k] for i in range(k)]
 
 
-def stage_of(design: Design) -> Stage:
-    """Return the declared stage of a design; raise DesignError without one, or without an experiment."""
-    if design.stage is None or not design.stage.experiments:
-        raise DesignError(f"design '{design.name}' declares no experiments: a study runs those of a declared stage")
-    return design.stage
+def stage_of(stage: Stage) -> Stage:
+    """Return a stage with experiments; raise DesignError for one without."""
+    if not stage.experiments:
+        raise DesignError(f"design '{stage.name}' declares no experiments: a study runs those of a stage")
+    return stage
 
 
-def jobs(design: Design, plan: Plan) -> list[Job]:
+def jobs(stage: Stage, plan: Plan) -> list[Job]:
     """Return the jobs of a study; the first compiles, the others need it.
 
     Raises DesignError as `stage_of` and for experiments that the stage does not have.
     """
-    stage, first = stage_of(design), f"{design.name} compile"
+    stage, first = stage_of(stage), f"{stage.name} compile"
     study.select(stage.experiments, plan.experiments)
-    compile = Job(first, design.name, partial(_compile, stage, plan))
-    batches = [Job(_name(design, b), design.name, partial(_batch, design, plan, b), (first,)) for b in plan.batches]
+    compile = Job(first, stage.name, partial(_compile, stage, plan))
+    batches = [Job(_name(stage, b), stage.name, partial(_batch, stage, plan, b), (first,)) for b in plan.batches]
     return [compile, *batches]
 
 
-def result(design: Design, plan: Plan, outcomes: Mapping[str, Outcome]) -> StudyTable:
-    """Return the whole table from the outcomes of all jobs of a design, none of which failed."""
-    return study.join([outcomes[_name(design, batch)].value for batch in plan.batches])
+def result(stage: Stage, plan: Plan, outcomes: Mapping[str, Outcome]) -> StudyTable:
+    """Return the whole table from the outcomes of all jobs of a stage, none of which failed."""
+    return study.join([outcomes[_name(stage, batch)].value for batch in plan.batches])
 
 
-def _batch(design: Design, plan: Plan, chunks: Sequence[range], progress: Progress) -> StudyTable:
+def _batch(stage: Stage, plan: Plan, chunks: Sequence[range], progress: Progress) -> StudyTable:
     done: list[StudyTable] = []
     for rows in chunks:
         progress(Counted(f"row {rows[0]} of {chunks[0][0]} to {chunks[-1][-1]}", len(done), len(chunks)))
-        done.append(chunk(design, plan, rows))
+        done.append(chunk(stage, plan, rows))
     return study.join(done)
 
 
-def chunk(design: Design, plan: Plan, rows: Sequence[int]) -> StudyTable:
+def chunk(stage: Stage, plan: Plan, rows: Sequence[int]) -> StudyTable:
     """Return the rows of a chunk, stored or computed."""
-    compute = partial(_rows, stage_of(design), plan, rows)
+    compute = partial(_rows, stage_of(stage), plan, rows)
     try:
-        return store.fetch(chunk_key(design, plan, rows), compute)
+        return store.fetch(chunk_key(stage, plan, rows), compute)
     except ContentError:
         return compute()
 
 
-def chunk_key(design: Design, plan: Plan, rows: Sequence[int]) -> str:
+def chunk_key(stage: Stage, plan: Plan, rows: Sequence[int]) -> str:
     """Return the key of a chunk; raise ContentError where the source of a function cannot be read."""
-    return cache.key(_rows, tasks.compilers(), design.simulate, plan, tuple(rows), data=True)
+    return cache.key(_rows, tasks.compilers(), stage, plan, tuple(rows), data=True)
 
 
-def row(design: Design, plan: Plan, number: int, progress: Progress) -> StudyTable:
+def row(stage: Stage, plan: Plan, number: int, progress: Progress) -> StudyTable:
     """Return one row of a study, computed again; raise DesignError for a row that it does not have."""
     if not 0 <= number < plan.sampling.rows:
         raise DesignError(f"row {number} of a study of {plan.sampling.rows} rows: give 0 to {plan.sampling.rows - 1}")
     progress(f"row {number}")
-    return _rows(stage_of(design), plan, [number])
+    return _rows(stage_of(stage), plan, [number])
 
 
-def search(design: Design, plan: Plan, table: StudyTable, check: str, progress: Progress) -> WorstCase:
+def search(stage: Stage, plan: Plan, table: StudyTable, check: str, progress: Progress) -> WorstCase:
     """Return the worst machine for a check that a search from the worst row of the table reaches."""
     progress(f"search for the worst {check}")
-    stage = stage_of(design)
+    stage_of(stage)
     return worst_case.search(study_runs.rig(stage), stage.experiments, plan.sampling.seed, table, check)
 
 
-def on_cluster(design: Design, plan: Plan, address: str, progress: Progress) -> StudyTable:
+def on_cluster(stage: Stage, plan: Plan, address: str, progress: Progress) -> StudyTable:
     """Return the whole table, computed by the workers of the dask scheduler at `address`.
 
     The workers need this workspace at the same path, and this environment. A lost worker's chunks go to others.
@@ -120,7 +119,7 @@ def on_cluster(design: Design, plan: Plan, address: str, progress: Progress) -> 
     dask = _import_dask()
     done: dict[int, StudyTable] = {}
     with _connect(dask, address) as client:
-        call = partial(_remote, str(Path.cwd()), design.name, plan)
+        call = partial(_remote, str(Path.cwd()), stage.name, plan)
         futures = {client.submit(call, tuple(rows), pure=False): k for k, rows in enumerate(plan.chunks)}
         for future, table in dask.as_completed(futures, with_results=True):
             done[futures[future]] = table
@@ -154,13 +153,13 @@ def _remote(root: str, name: str, plan: Plan, rows: Sequence[int]) -> StudyTable
 
 
 @lru_cache(maxsize=1)  # its loops are prepared once in a worker
-def _design(root: str, name: str) -> Design:
-    (design,) = workspace.designs(Path(root), [name])
-    return design
+def _design(root: str, name: str) -> Stage:
+    (stage,) = workspace.designs(Path(root), [name])
+    return stage
 
 
-def _name(design: Design, batch: Sequence[range]) -> str:
-    return f"{design.name} rows {batch[0][0]} to {batch[-1][-1]}"
+def _name(stage: Stage, batch: Sequence[range]) -> str:
+    return f"{stage.name} rows {batch[0][0]} to {batch[-1][-1]}"
 
 
 def _compile(stage: Stage, plan: Plan, progress: Progress) -> None:

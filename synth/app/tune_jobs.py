@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from synth.analyse.loops import robustness
 from synth.app import standard_tasks, study_jobs, study_runs, tasks, verdicts
-from synth.app.workspace import Design
 from synth.base import cache, store
 from synth.declare.stage import Stage
 from synth.declare.tuning import Candidate, Goal, Plan, Tuning
@@ -33,7 +32,6 @@ from synth.verify import standard
 class Search:
     """What the evaluation of every candidate needs."""
 
-    design: Design
     stage: Stage
     tuning: Tuning
     plan: Plan
@@ -48,22 +46,22 @@ class Search:
         return store.fetch(cache.key(evaluate, self.key, dict(values)), lambda: evaluate(self, values))
 
 
-def prepare(design: Design, plan: Plan) -> Search:
-    """Return the search of a design, with its declared controller compiled.
+def prepare(stage: Stage, plan: Plan) -> Search:
+    """Return the search of a stage, with its declared controller compiled.
 
     Raises DesignError for a design without a tuning, and for declared values that do not give the declared law.
     """
-    stage = study_jobs.stage_of(design)
+    study_jobs.stage_of(stage)
     if stage.tuning is None:
-        raise DesignError(f"design '{design.name}' declares no tuning: give `tuning=Tuning(free=.., controller=..)`")
+        raise DesignError(f"design '{stage.name}' declares no tuning: give `tuning=Tuning(free=.., controller=..)`")
     names = tuple(stage.tuning.experiments)
     rig = standard_tasks.rig(stage, stage.scalar)
     _require_declared_values(stage, stage.tuning)
     try:
-        key = cache.key(evaluate, tasks.compilers(), design.simulate, plan, data=True)
+        key = cache.key(evaluate, tasks.compilers(), stage, plan, data=True)
     except ContentError:
         key = ""
-    return Search(design, stage, stage.tuning, plan, rig, study_runs.integration_of(stage, names), key)
+    return Search(stage, stage.tuning, plan, rig, study_runs.integration_of(stage, names), key)
 
 
 def _require_declared_values(stage: Stage, tuning: Tuning) -> None:

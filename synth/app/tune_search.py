@@ -75,7 +75,7 @@ def search(of: Search, display: Display) -> Tuned:
     """
     archive: Archive = {}
     population = _first_population(of)
-    trials = Trials(display, of.design.name, len(population) * (1 + len(WEIGHTS) * of.plan.generations))
+    trials = Trials(display, of.stage.name, len(population) * (1 + len(WEIGHTS) * of.plan.generations))
     trials.say(f"{len(WEIGHTS)} runs of {of.plan.generations} generations of {len(population)} candidates")
     for run, weights in enumerate(WEIGHTS, 1):
         population = _best(of, archive, weights, len(population)) if len(archive) else population
@@ -83,10 +83,10 @@ def search(of: Search, display: Display) -> Tuned:
     candidates = list(archive.values())
     proposal = min(candidates, key=lambda c: score(c, WEIGHTS[0]))
     trials.say("certificate of the proposal")
-    job = Job("certificate", of.design.name, lambda say: certify(of, proposal))
+    job = Job("certificate", of.stage.name, lambda say: certify(of, proposal))
     outcome = jobs.run([job], trials)[job.name]
     if outcome.error:
-        raise DesignError(f"certificate of the proposal for '{of.design.name}': {outcome.error}")
+        raise DesignError(f"certificate of the proposal for '{of.stage.name}': {outcome.error}")
     return Tuned(of.plan, candidates[0], proposal, outcome.value, pareto_front(candidates), len(candidates))
 
 
@@ -134,12 +134,12 @@ def _evaluate(of: Search, keys: Sequence[tuple[float, ...]], trials: Trials) -> 
     processes = min(jobs.cores(), len(keys))
     parts = [keys[k::processes] for k in range(processes)]
     work = [
-        Job(f"{of.design.name} candidates {k + 1}", of.design.name, partial(_batch, of, part))
+        Job(f"{of.stage.name} candidates {k + 1}", of.stage.name, partial(_batch, of, part))
         for k, part in enumerate(parts)
     ]
     outcomes = jobs.run(work, trials)
     if errors := [outcome.error for outcome in outcomes.values() if outcome.error]:
-        raise DesignError(f"candidates of '{of.design.name}': {errors[0]}")
+        raise DesignError(f"candidates of '{of.stage.name}': {errors[0]}")
     computed: Archive = {}
     for job, part in zip(work, parts, strict=True):
         computed |= zip(part, outcomes[job.name].value, strict=True)
@@ -179,8 +179,10 @@ def certify(of: Search, proposal: Candidate) -> Certificate:
     if not stage.operating_points:
         return Certificate(goals, tuple(checks), {})
     survey = robustness.survey(standard.over_tolerances(stage))
-    required = {name: least for name, least in {**stage.require, **of.tuning.require}.items() if name != standard.DISK}
+    required = {
+        name: least for name, least in {**stage.require, **of.tuning.require}.items() if name != robustness.DISK
+    }
     checks += robustness.checks(survey.loops, required, survey.unsolved)
     return Certificate(
-        goals, tuple(checks), standard.least_margins(stage, survey, (*robustness.REQUIREMENTS, standard.DISK))
+        goals, tuple(checks), standard.least_margins(stage, survey, (*robustness.REQUIREMENTS, robustness.DISK))
     )

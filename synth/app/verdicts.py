@@ -1,4 +1,4 @@
-"""Verdicts of a build: the checks that the toolkit makes of every design, from its declaration and its results.
+"""Verdicts of a build: the checks that the toolkit makes of every stage, from its declaration and its results.
 
     margins   least margins of the loops and least disk margin, over operating points and corners of the tolerances
     study     machines without a result, and the share of the machines that keep every limit
@@ -86,7 +86,7 @@ def margins(stage: Stage, loops: Survey | None) -> list[Check]:
     return [
         Check(standard.LOST, float(len(loops.lost)), 0.0, "1", about),
         *robustness.checks(loops.loops, require, loops.unsolved),
-        _disk_margin(loops, stage.require.get(standard.DISK, -inf)),
+        _disk_margin(loops, stage.require.get(robustness.DISK, -inf)),
     ]
 
 
@@ -95,7 +95,7 @@ def _disk_margin(loops: Survey, least: float) -> Check:
     bounds = {place: disks[AT_ONCE].lower for place, disks in loops.disks.items()} if not loops.lost else {}
     worst = min(bounds, key=lambda place: bounds[place], default="")
     about = f"the least of {len(bounds)}, {worst}, all actuators and sensors at once" if bounds else "a loop is lost"
-    return Check(standard.DISK.replace("_", " "), bounds.get(worst, 0.0), least, "1", about, at_least=True)
+    return Check(robustness.DISK.replace("_", " "), bounds.get(worst, 0.0), least, "1", about, at_least=True)
 
 
 def with_limits(stage: Stage, table: StudyTable) -> StudyTable:
@@ -184,7 +184,7 @@ def empty_runs(experiments: Sequence[Experiment]) -> list[Check]:
 
 
 def of_build(
-    stage: Stage | None,
+    stage: Stage,
     loops: Survey | None,
     table: StudyTable | None,
     campaign: Campaign | None,
@@ -192,8 +192,6 @@ def of_build(
     measured: Cost | None,
 ) -> dict[str, Sequence[Check]]:
     """Return all checks of the results of a build by the title of the section that shows them."""
-    if stage is None:
-        return {first_screen.AUDIT: audit(rows)}
     return {
         first_screen.LOOPS: margins(stage, loops),
         study_section.TITLE: study(stage, table),

@@ -21,7 +21,8 @@ class Companion:
     """A Block that is emitted beside the controller, as the commutation of a motor is.
 
     With a `reference`, a step of the independent NumPy witness, the verification compares its witnesses like those of
-    the controller, outputs relative to max(`floor`, |output|), by default to their ranges.
+    the controller, outputs relative to max(`floor`, |output|), by default to their ranges; `label` is its name there,
+    by default that of the Block.
 
     `inputs` returns its inputs (N,) by name for test vectors, from the recorded inputs and outputs of the controller;
     by default each is the output or else the input of the controller with its name. `gains` returns the document of its
@@ -32,6 +33,7 @@ class Companion:
     block: Block
     reference: Reference | None = field(default=None, kw_only=True)
     floor: float | None = field(default=None, kw_only=True)
+    label: str = field(default="", kw_only=True)
     inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]] | None = None
     gains: Gains | None = None
     header_notes: Sequence[str] = ()

@@ -6,7 +6,7 @@
 Data alone; `synth.stage` completes them from the plant's signals and composes the controller.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
@@ -236,7 +236,10 @@ class Stage:
     stops             (low, high) of positions, which are inelastic; `velocities` are the rates that f does not show
     limited           controller states that may reach their bounds, such as an integral limited on purpose
     wires             plant input: controller output, where these are not the interface's actuators
-    recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults
+    stimuli           what drives the verification beyond the standard, by a function (`verify.standard.Stimuli`)
+    verify            in place of `verify.standard.verify`, for a law whose comparison needs more than stimuli
+    audit             yields the recomputed figures of a publication (`report.audit.Row`)
+    contents          what the report has beyond the standard sections (`report.template.Extra`), from the results
     gains             the document of gains.json, else that of the laws
     companions        Blocks that are emitted beside the controller
     law_alone         the controller without its fault handling, whose cost is shown beside
@@ -267,7 +270,10 @@ class Stage:
     start: Mapping[str, float] = field(default_factory=dict)
     limited: Sequence[str] = ()
     wires: Mapping[str, str | Mapping[str, float]] = field(default_factory=dict)
-    recording: Callable[[Any], Mapping[str, Any]] | None = None
+    stimuli: Callable[[], Any] | None = None
+    verify: Callable[["Stage", Callable[[str], None], bool], Any] | None = None
+    audit: Callable[["Stage"], Iterator[Any]] | None = None
+    contents: Callable[["Stage", Any], Any] | None = None
     gains: Gains | None = None
     companions: Sequence[Companion] = ()
     law_alone: Controller | None = None

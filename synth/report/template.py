@@ -1,7 +1,7 @@
 """Standard report of a declared stage: all sections from the declaration, merged with the text of the design.
 
-A design adds content in three ways: by report.md in its folder, see `prose`; by `Extra`, with values and blocks for
-report.md and sections that replace standard ones; or by a separate report from the sections in `standard`.
+A design adds content in two ways: by report.md in its folder, see `prose`, and by an `Extra`, with values and blocks
+for report.md and sections that replace standard ones, follow them, or leave them out.
 """
 
 import importlib.util
@@ -36,15 +36,17 @@ FLOOR = "the largest magnitude in the output's range"
 class Extra:
     """Additions of a design to the standard report.
 
-    `values` are further placeholders of report.md; `sections` replace standard sections of the same title; `named`
-    names expressions of the physics, see `derive.plant`; `facts` follow the standard ones; `shown` replaces the
-    presentation of experiments that follows from the declaration. `law` are blocks below the equations of the control
-    law; `cost(runs)` returns blocks below the measured cost. The text of the `shared` design packages comes first.
-    `floor` states the value below which a difference of witnesses is relative to it.
+    `values` are further placeholders of report.md; `sections` replace standard sections of the same title, and others
+    follow them; those with the titles `omitted` are left out. `terms` names expressions of the physics, see
+    `derive.plant`; `facts` follow the standard ones; `shown` replaces the presentation of experiments that follows from
+    the declaration. `law` are blocks below the equations of the control law; `cost(runs)` returns blocks below the
+    measured cost. The text of the `shared` design packages comes first. `floor` states the value below which a
+    difference of witnesses is relative to it.
     """
 
     values: Mapping[str, Value] = field(default_factory=dict)
     sections: Sequence[Section] = ()
+    omitted: Sequence[str] = ()
     terms: NamedTerms | None = None
     facts: Sequence[tuple[str, str]] = ()
     shown: Shown | None = None
@@ -54,20 +56,28 @@ class Extra:
     floor: str = FLOOR
 
 
-def report(
-    stage: Stage,
-    files: Mapping[str, EmittedCode],
-    evidence: Evidence,
-    runs: Sequence[Experiment],
-    rows: Sequence[Row],
-    cost: Cost | None,
-    extra: Extra | None = None,
-) -> str:
-    """Return the report of a stage as one HTML document.
+@dataclass(frozen=True, eq=False)
+class Results:
+    """What a report shows: the emitted files by folder, evidence, experiments, rows of the audit, and the cost."""
+
+    files: Mapping[str, EmittedCode]
+    evidence: Evidence
+    runs: Sequence[Experiment]
+    rows: Sequence[Row]
+    cost: Cost | None
+
+
+def report(stage: Stage, results: Results) -> str:
+    """Return the report of a stage as one HTML document, with the contents that it declares.
 
     Raises DesignError for an unknown placeholder, and Incomplete with the page where sections raise errors.
     """
-    extra = extra or Extra()
+    failed, extra = list[Check](), Extra()
+    try:
+        extra = stage.contents(stage, results) if stage.contents else extra
+    except Exception as error:
+        failed.append(of_error("the contents of the report", error))
+    files, evidence, runs, rows, cost = results.files, results.evidence, results.runs, results.rows, results.cost
     makers = {
         **_declared_sections(stage, gains(stage.name, files), evidence, extra),
         standard.EXPERIMENTS: lambda: standard.experiments(runs, extra.shown or default_style(stage)),
@@ -79,10 +89,11 @@ def report(
         standard.FILES: lambda: standard.files(files),
     }
     replaced = {s.title: s for s in extra.sections}
-    parts, failed = [], list[Check]()
-    for title, make in makers.items():
+    titles = [t for t in dict.fromkeys((*makers, *replaced)) if t != standard.FILES and t not in extra.omitted]
+    parts = []
+    for title in (*titles, standard.FILES):
         try:
-            section = replaced[title] if title in replaced else make()
+            section = replaced[title] if title in replaced else makers[title]()
         except Exception as error:
             failed.append(of_error(f"the section {title}", error))
             section = Section(title, (page.Checks("Errors", (failed[-1],)),))

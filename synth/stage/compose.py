@@ -10,16 +10,9 @@ limited here, or ``<actuator>_computed``.
 """
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
-from types import MappingProxyType
+from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
-
-from synth.app import standard_tasks
-from synth.app.workspace import CostStimuli, Design
-from synth.base.progress import Progress
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks.guard import missed_calls as calls
 from synth.blocks.guard import safe_output, safety
@@ -32,17 +25,12 @@ from synth.declare.stage import (
     Stage,
     Synthesis,
 )
-from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.plant import Plant, velocities
-from synth.report.audit import Row
 from synth.signals import Signal, signal_names
-from synth.simulate.experiment import Experiment
-from synth.stage import consistency as stage_consistency
+from synth.stage import consistency
 from synth.stage.interface import guarded_inputs, safe
 from synth.timing import Discrete
-from synth.verify import standard
-from synth.verify.evidence import Evidence
 
 
 def errors(time: Discrete, interface: Interface, of: Sequence[str]) -> Block:
@@ -149,27 +137,13 @@ def _law(law: Law | Synthesis | Block, time: Discrete, interface: Interface) -> 
     return law if isinstance(law, Law) else law.law(time, interface)
 
 
-def design(
-    controller: Controller,
-    plant: Plant,
-    *,
-    emit: Callable[[Stage, type[np.floating]], Mapping[str, EmittedCode]] = standard_tasks.emit,
-    verify: Callable[[Stage, Progress, bool], Evidence] = standard.verify,
-    simulate: Mapping[str, Callable[[Stage, Progress], Sequence[Experiment]]] = standard_tasks.SIMULATE,
-    audit: Callable[[Stage], Iterator[Row]] = standard_tasks.no_audit,
-    cost_stimuli: Callable[[Stage], CostStimuli] = standard_tasks.cost_stimuli,
-    report: Callable[..., str] = standard_tasks.report,
-    report_parts: Mapping[str, Callable[[Progress], Any]] = MappingProxyType({}),
-    **fields: Any,
-) -> Design:
-    """Return the design of a stage; `fields` are further ones of `declaration.Stage`.
+def design(controller: Controller, plant: Plant, **fields: Any) -> Stage:
+    """Return a stage with its controller and plant; `fields` are further ones of `declare.stage.Stage`.
 
-    Each of the six tasks is a function of the stage and of the arguments in `workspace.Design`, `simulate` one for each
-    part of the experiments, which a build runs side by side. A design may replace any of them. With `report_parts`
-    the build computes each of these as a job of its own and passes the results to `report`, by name, as `parts`.
+    The rates of positions with stops follow from the plant where `velocities` leave them out.
 
-    Raises DesignError for an unknown field, and for a stage without `reference` that uses the standard verification;
-    SignalError and DesignError for what does not fit together, as `stage_consistency.require_consistent`.
+    Raises DesignError for an unknown field, and for a stage without `reference`; SignalError and DesignError for what
+    does not fit together, as `consistency.require_consistent`.
     """
     known = [f.name for f in dataclasses.fields(Stage) if f.name not in ("controller", "plant")]
     if unknown := [name for name in fields if name not in known]:
@@ -180,18 +154,5 @@ def design(
         stage = dataclasses.replace(
             stage, velocities={q: rates[q] for q in stage.stops if q in rates} | dict(stage.velocities)
         )
-    stage_consistency.require_consistent(stage)
-    if verify is standard.verify:
-        standard.require_reference(stage)
-    return Design(
-        name=stage.name,
-        scalar=stage.scalar,
-        emit=partial(emit, stage),
-        verify=partial(verify, stage),
-        simulate={part: partial(run, stage) for part, run in simulate.items()},
-        audit=partial(audit, stage),
-        cost_stimuli=cost_stimuli(stage),
-        report=partial(report, stage),
-        report_parts=report_parts,
-        stage=stage,
-    )
+    consistency.require_consistent(stage)
+    return stage

@@ -8,12 +8,12 @@ from fnmatch import fnmatchcase
 import casadi as ca
 import numpy as np
 
+from synth import arguments
 from synth.analyse.loops import robustness
 from synth.declare.stage import Stage
 from synth.errors import DesignError, SignalError
+from synth.plant import velocities
 from synth.signals import signal_names
-from synth.simulate.faults import campaign
-from synth.verify import standard
 
 LONGEST_STEP = 2.0  # times |pole|: Runge and Kutta's method of order 4 diverges from 2.8 on
 ADDED_DAMPING = 1e-4, 0.1  # that the method may add to a damping ratio: as such, and of it
@@ -33,11 +33,28 @@ def require_consistent(stage: Stage) -> None:
     _require_rates(stage)
     _require_known_inertias(stage)
     _require_studied_experiments(stage)
+    _require_reference(stage)
+
+
+def _require_reference(stage: Stage) -> None:
+    """Raise DesignError for a stage without a reference, or with one that is no function, but for its own `verify`."""
+    if stage.verify is not None:
+        return
+    if stage.reference is None:
+        raise DesignError(
+            f"design '{stage.name}' has no reference: give `reference`, a NumPy step (states, inputs) -> (states', "
+            "outputs, fault words) written from the equations"
+        )
+    if not callable(stage.reference):
+        raise DesignError(
+            f"the reference of design '{stage.name}' is {arguments.describe(stage.reference)}: give its step function, "
+            "(states, inputs) -> (states', outputs, fault words)"
+        )
 
 
 def _require_known_margins(stage: Stage) -> None:
     """Raise SignalError for a margin or a parameter of a tolerance that is not known."""
-    known = (*robustness.REQUIREMENTS, standard.DISK)
+    known = (*robustness.REQUIREMENTS, robustness.DISK)
     if unknown := [name for name in stage.require if name not in known]:
         raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(known)}")
     for name in stage.tolerances:
@@ -194,7 +211,7 @@ def _added_damping(step: complex) -> float:
 
 def _require_rates(stage: Stage) -> None:
     """Raise SignalError for a velocity that is certainly not the rate of its position."""
-    plant, rates = stage.plant, campaign.velocities(stage.plant)
+    plant, rates = stage.plant, velocities(stage.plant)
     states = signal_names(plant.states)
     for q, v in stage.velocities.items():
         if unknown := [name for name in (q, v) if name not in states]:
@@ -210,7 +227,7 @@ def _require_rates(stage: Stage) -> None:
 
 def _require_known_inertias(stage: Stage) -> None:
     """Raise SignalError for an inertia of the fault campaign without its position or plant parameter."""
-    positions = campaign.velocities(stage.plant) | dict(stage.velocities)
+    positions = velocities(stage.plant) | dict(stage.velocities)
     for q, parameter in stage.faults.inertias.items():
         if q not in positions:
             known = ", ".join(positions) or "none"

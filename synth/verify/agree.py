@@ -49,7 +49,7 @@ class Agreement:
 
     `state_worst` is the worst difference of a next state, and `state` its name. `ulps` is the worst output difference
     in units in the last place of the scalar type of `second`; `faults_differ` counts samples with different fault
-    words.
+    words. `authority_worst` is the worst difference of next states relative to declared magnitudes, where there are.
     """
 
     first: str
@@ -63,6 +63,7 @@ class Agreement:
     faults_differ: int
     state_worst: float
     state: str
+    authority_worst: float | None = None
 
 
 Witness = Callable[[Columns, Columns], StepResults]
@@ -75,10 +76,12 @@ def compare(
     floor: Floor,
     block: Block,
     scalar: type[np.floating] = np.float64,
+    authority: Mapping[str, float] | None = None,
 ) -> Agreement:
     """Compare outputs, fault words and next states of two witnesses of the same N steps of a Block.
 
-    The difference of a NaN is infinite. A recorded run has the states after its last step only.
+    The difference of a NaN is infinite. A recorded run has the states after its last step only. That of a next state is
+    relative to max(authority, |x|) as well, for states with an `authority`: a magnitude far below their bounds.
 
     Raises SignalError for no sample, and as `floors`.
     """
@@ -92,7 +95,14 @@ def compare(
     gaps = {n: _absolute_difference(r.outputs[n], v.outputs[n]) for n in sizes}
     ulps = max(float(np.max(gap / np.spacing(sizes[n].astype(scalar)).astype(np.float64))) for n, gap in gaps.items())
     faults_differ = int(np.count_nonzero(np.asarray(r.faults) != np.asarray(v.faults)))
-    return Agreement(name, other, what, len(r.faults), worst, signal, sample, ulps, faults_differ, state_worst, state)
+    of_authority = [
+        float(np.max(_absolute_difference(r.states[n], v.states[n]) / np.maximum(np.abs(r.states[n]), size)))
+        for n, size in (authority or {}).items()
+    ]
+    return Agreement(
+        name, other, what, len(r.faults), worst, signal, sample, ulps, faults_differ, state_worst, state,
+        max(of_authority, default=None),
+    )  # fmt: skip
 
 
 def differences(

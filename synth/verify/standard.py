@@ -9,15 +9,16 @@ and by the true path of the plant in closed loops with ideal sensors.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from synth import arguments
 from synth.analyse.loops import robustness, tolerances
+from synth.block import Block
 from synth.check import Check
-from synth.declare.stage import Reference, Stage
-from synth.errors import DesignError
+from synth.declare.stage import Stage
+from synth.execute import host
 from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
@@ -26,6 +27,7 @@ from synth.statespace import StateSpace
 from synth.verify import agree, companions, drive, sampling, steps, stimuli, suite
 from synth.verify.agree import Agreement
 from synth.verify.evidence import Evidence
+from synth.verify.steps import Steps
 from synth.verify.suite import Witnesses
 
 RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
@@ -34,52 +36,84 @@ SEED = 20_260
 UNIT = "of the output's range or more"
 SINGLE = 1e-3  # of an output's range: single against double in one step
 DIVERGENT_SHARE = 1e-3  # fraction of random steps whose decisions differ in single precision
-DISK = "disk_margin"
 LOST = "loops that are not stable or have no equilibrium"
 PATH = 1e-4  # of the range of a sensor without resolution: path of the plant in single against double
 
 
-def require_reference(stage: Stage) -> Reference:
-    """Return the reference of a stage; raise DesignError for a stage without one, or with one that is no function."""
-    if stage.reference is None:
-        raise DesignError(
-            f"design '{stage.name}' has no reference: give `reference`, a NumPy step (states, inputs) -> (states', "
-            "outputs, fault words) written from the equations"
-        )
-    if not callable(stage.reference):
-        raise DesignError(
-            f"the reference of design '{stage.name}' is {arguments.describe(stage.reference)}: give its step function, "
-            "(states, inputs) -> (states', outputs, fault words)"
-        )
-    return stage.reference
-
-
 def witnesses(stage: Stage) -> Witnesses:
-    """Return the witnesses of the controller of a stage; raise DesignError for a stage without a reference."""
-    reference = require_reference(stage)
-    return suite.witnesses(stage.controller.block, reference, stage.surrogate_error)
+    """Return the witnesses of the controller of a stage."""
+    assert stage.reference is not None, "a stage without a reference is refused where it is declared"
+    return suite.witnesses(stage.controller.block, stage.reference, stage.surrogate_error)
+
+
+@dataclass(frozen=True, eq=False)
+class Stimuli:
+    """What drives the verification of a stage beyond the standard; all of it may be left out.
+
+    seed           of the random and edge steps
+    random         n random steps (states, inputs) of a Block, (n,) by name, in place of perturbed steps of closed loops
+    random_checks  of their states and results: that few are at limits, and such
+    edge           n steps at the ends of ranges, in place of `sampling.edge_steps`
+    runs           {name: Trajectory} of a rig, over long replays if `whole`, in place of the experiments and of faults
+    path_checks    of the rigs in double and in single precision, in place of `compare_paths`
+    vectors        inputs (N,) of vectors.json from a rig, in place of the standard closed loop with faults
+    further        further steps for the cost of the compiled C
+    replay         recorded inputs (N,) for a C that closes no loop, and `sequences` all steps for its cost
+    floor          a difference of outputs is relative to max(floor, |y|), of edge steps to `edge_floor`, else to ranges
+    unit           of the outputs, in the texts of the checks
+    counts         real states that jump with a decision, each with its least jump: with a larger difference than that,
+                   single precision has decided otherwise
+    authority      magnitudes of states: their difference is relative to max(authority, |x|), too, where bounds are wide
+    """
+
+    seed: int = SEED
+    random: Callable[[Block, int], tuple[sampling.Columns, sampling.Columns]] | None = None
+    edge: Callable[[Block, int], tuple[sampling.Columns, sampling.Columns]] | None = None
+    random_checks: Callable[[sampling.Columns, agree.StepResults], Sequence[Check]] = lambda states, results: ()
+    runs: Callable[[Rig, bool], Mapping[str, Trajectory]] | None = None
+    path_checks: Callable[[Rig, Rig], Sequence[Check]] | None = None
+    vectors: Callable[[Rig], Mapping[str, Any]] | None = None
+    further: Callable[[host.Controller], Sequence[Steps]] = lambda controller: ()
+    replay: Callable[[host.Controller], Mapping[str, Any]] | None = None
+    sequences: Callable[[host.Controller, Callable[[str], None]], Sequence[Steps]] | None = None
+    floor: float | None = None
+    edge_floor: float | None = None
+    unit: str = ""
+    counts: Mapping[str, float] = field(default_factory=dict)
+    authority: Mapping[str, float] = field(default_factory=dict)
+
+    def unit_of(self, floor: float | None) -> str:
+        """Return the unit of differences of outputs relative to a floor."""
+        return UNIT if floor is None else f"max({floor:.3g} {self.unit}, |y|)"
+
+
+def stimuli_of(stage: Stage) -> Stimuli:
+    """Return what a stage declares, or the standard."""
+    return stage.stimuli() if stage.stimuli else Stimuli()
 
 
 def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Evidence:
-    """Compare all witnesses of a stage, over long replays if `whole`.
-
-    Raises DesignError for a stage without a reference.
-    """
+    """Compare all witnesses of a stage, over long replays if `whole`."""
     progress("witnesses")
-    witness_set = witnesses(stage)
-    rig = rigs.of_stage(stage, witness_set.c64)
-    samples = WHOLE if whole else QUICK
-    trajectories = _runs(rig, samples)
-    runs = {name: _first_samples(dict(run.measured), samples) for name, run in trajectories.items()}
+    by, hooks = witnesses(stage), stimuli_of(stage)
+    rig = rigs.of_stage(stage, by.c64)
+    if hooks.runs:  # they are replayed whole, under their names
+        runs, samples, label = hooks.runs(rig, whole), None, ""
+    else:
+        samples, label = WHOLE if whole else QUICK, "replay of "
+        runs = _runs(rig, samples)
+    recorded = {name: _first_samples(dict(run.measured), samples) for name, run in runs.items()}
     progress("random and edge steps")
-    agreements, checks = compare_samples(witness_set, runs)
+    agreements, checks = compare_samples(stage, by, recorded)
     progress("replays of closed loops")
-    compared = suite.replay(witness_set, {f"replay of {name}": inputs for name, inputs in runs.items()}, None)
-    agreements, checks = [*agreements, *compared], [*checks, *suite.exact_checks(compared, UNIT)]
-    beside, beside_checks = compare_companions(stage, trajectories, samples)
+    replayed = {f"{label}{name}": inputs for name, inputs in recorded.items()}
+    compared = suite.replay(by, replayed, hooks.floor, hooks.authority)
+    agreements, checks = [*agreements, *compared], [*checks, *suite.exact_checks(compared, hooks.unit_of(hooks.floor))]
+    beside, beside_checks = compare_companions(stage, runs, samples, label)
     agreements, checks = [*agreements, *beside], [*checks, *beside_checks]
     progress("single against double")
-    checks += [*compare_paths(stage, witness_set), *drive.checks(rig, trajectories.values())]
+    checks += hooks.path_checks(rig, rigs.of_stage(stage, by.c32)) if hooks.path_checks else compare_paths(stage, by)
+    checks += drive.checks(rig, runs.values())
     return Evidence(stage.name, tuple(agreements), tuple(checks))
 
 
@@ -119,26 +153,27 @@ def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str])
     The disk margin is that of the nominal plant at the operating points, its certified lower bound.
     """
     stable = not survey.unsolved and all(loop.margins.stable for loop in survey.loops)
-    margins = {n: min((loop.margin(n) for loop in survey.loops), default=0.0) for n in names if n != DISK}
-    if DISK in names:
+    margins = {n: min((loop.margin(n) for loop in survey.loops), default=0.0) for n in names if n != robustness.DISK}
+    if robustness.DISK in names:
         nominal = loops(stage)
         disks = [robustness.disk_margins(nominal, point)["both"].lower for point in nominal.points] if stable else [0.0]
-        margins[DISK] = min(disks)
+        margins[robustness.DISK] = min(disks)
     return margins if not survey.unsolved else dict.fromkeys(margins, 0.0)
 
 
 def compare_companions(
-    stage: Stage, runs: Mapping[str, Trajectory], samples: int
+    stage: Stage, runs: Mapping[str, Trajectory], samples: int | None, label: str
 ) -> tuple[list[Agreement], list[Check]]:
     """Compare the witnesses of the companions that have a reference, over some samples of each run and random steps."""
+    hooks = stimuli_of(stage)
     agreements: list[Agreement] = []
     checks: list[Check] = []
     for k, companion in enumerate(c for c in stage.companions if c.reference):
         columns = {name: companion.select_inputs(run.measured, run.commands) for name, run in runs.items()}
-        recorded = {f"replay of {name}": _first_samples(each, samples) for name, each in columns.items()}
-        rng, sizes = np.random.default_rng(SEED + 2 + k), (RANDOM_STEPS, EDGE_STEPS)
-        compared, single = companions.compare(companion, companion.block.name, stage, recorded, rng, sizes)
-        unit = UNIT if companion.floor is None else f"max({companion.floor:g}, |output|)"
+        recorded = {f"{label}{name}": _first_samples(each, samples) for name, each in columns.items()}
+        rng, sizes = np.random.default_rng(hooks.seed + 2 + k), (RANDOM_STEPS, EDGE_STEPS)
+        name, unit = companion.label or companion.block.name, hooks.unit_of(companion.floor)
+        compared, single = companions.compare(companion, name, stage, recorded, rng, sizes)
         agreements, checks = [*agreements, *compared, single], [*checks, *suite.exact_checks(compared, unit)]
     return agreements, checks
 
@@ -149,23 +184,32 @@ def _runs(rig: Rig, n: int) -> dict[str, Trajectory]:
     return runs | {"faults": stimuli.closed_loop(rig, n)}
 
 
-def _first_samples(columns: agree.Columns, n: int) -> agree.Columns:
-    """Return at most n samples."""
+def _first_samples(columns: agree.Columns, n: int | None) -> agree.Columns:
+    """Return at most n samples, all of them for None."""
     return {name: values[:n] for name, values in columns.items()}
 
 
-def compare_samples(witness_set: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreement], list[Check]]:
+def compare_samples(
+    stage: Stage, by: Witnesses, runs: Mapping[str, agree.Columns]
+) -> tuple[list[Agreement], list[Check]]:
     """Compare the witnesses over random and edge steps, and single with double over the random ones."""
-    pool = steps.concatenate(
-        "closed loops", [steps.record(witness_set.c64, name, inputs) for name, inputs in runs.items()]
+    hooks, block = stimuli_of(stage), by.block
+    if hooks.random:
+        random = hooks.random(block, RANDOM_STEPS)
+    else:
+        pool = steps.concatenate("closed loops", [steps.record(by.c64, name, inputs) for name, inputs in runs.items()])
+        random = sampling.operating_steps(block, np.random.default_rng(hooks.seed), RANDOM_STEPS, pool)
+    edge = (
+        hooks.edge(block, EDGE_STEPS)
+        if hooks.edge
+        else sampling.edge_steps(block, np.random.default_rng(hooks.seed + 1), EDGE_STEPS)
     )
-    random = sampling.operating_steps(witness_set.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
-    edge = sampling.edge_steps(witness_set.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
-    agreements: list[Agreement] = []
-    for what, stimulus in (("random steps", random), ("edge steps", edge)):
-        agreements += suite.compare(what, witness_set, *stimulus, None)
-    single, checks = compare_precisions(witness_set, *random)
-    return [*agreements, single], [*suite.exact_checks(agreements, UNIT), *checks]
+    agreements, checks = list[Agreement](), [*hooks.random_checks(random[0], by.by_name["c64"](*random))]
+    for what, sample, floor in (("random steps", random, hooks.floor), ("edge steps", edge, hooks.edge_floor)):
+        compared = suite.compare(what, by, *sample, floor, hooks.authority)
+        agreements, checks = [*agreements, *compared], [*checks, *suite.exact_checks(compared, hooks.unit_of(floor))]
+    single, further = compare_precisions(by, *random, hooks.floor, hooks.counts)
+    return [*agreements, single], [*checks, *further]
 
 
 def compare_precisions(

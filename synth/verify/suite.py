@@ -46,28 +46,40 @@ def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floatin
     return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted_c(c64)}, c64, c32)
 
 
-def compare(what: str, witness_set: Witnesses, states: Columns, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
-    """Compare each other witness with the C in double precision over N steps (x, u)."""
-    c64 = witness_set.by_name["c64"](states, inputs)
+def compare(
+    what: str,
+    witness_set: Witnesses,
+    states: Columns,
+    inputs: Columns,
+    floor: agree.Floor,
+    authority: Mapping[str, float] | None = None,
+) -> list[Agreement]:
+    """Compare each other witness with the C in double precision over N steps (x, u), as `agree.compare`."""
+    c64, block = witness_set.by_name["c64"](states, inputs), witness_set.block
     return [
-        agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, witness_set.block)
+        agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, block, authority=authority)
         for name, witness in witness_set.oracles.items()
     ]
 
 
-def replay(witness_set: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
+def replay(
+    witness_set: Witnesses,
+    runs: Mapping[str, Columns],
+    floor: agree.Floor,
+    authority: Mapping[str, float] | None = None,
+) -> list[Agreement]:
     """Compare each other witness with the C in double precision over the N recorded inputs of each run."""
     c64 = [replays.replay_in_parts(witness_set.c64, inputs) for inputs in runs.values()]
     others = {name: replays.repeat(witness, c64) for name, witness in witness_set.oracles.items()}
     return [
-        agree.compare(what, (name, pairs[k][0]), ("c64", pairs[k][1]), floor, witness_set.block)
+        agree.compare(what, (name, pairs[k][0]), ("c64", pairs[k][1]), floor, witness_set.block, authority=authority)
         for k, what in enumerate(runs)
         for name, pairs in others.items()
     ]
 
 
 def exact_checks(agreements: Sequence[Agreement], unit: str) -> list[Check]:
-    """Return three checks for each agreement in double precision: outputs in `unit`, next states, and fault words."""
+    """Return the checks of each agreement in double precision: outputs in `unit`, next states, and fault words."""
     checks = []
     for a in agreements:
         about, pair = f"worst of {a.samples} steps, {a.signal}", f"{a.first} and {a.second}"
@@ -76,6 +88,9 @@ def exact_checks(agreements: Sequence[Agreement], unit: str) -> list[Check]:
             Check(f"{a.what}: next states of {pair}", a.state_worst, DOUBLE_TOLERANCE, "of range", a.state),
             Check(f"{a.what}: fault words of {pair} that differ", a.faults_differ, 0, "1"),
         ]
+        if a.authority_worst is not None:
+            law = f"{a.what}: next states of the law of {pair}"
+            checks.append(Check(law, a.authority_worst, DOUBLE_TOLERANCE, "max(|x|, authority)"))
     return checks
 
 

@@ -11,12 +11,12 @@ from typing import Any, NoReturn
 import numpy as np
 import pytest
 
-from synth.app import builds, commands, standard_tasks, verdicts, workspace
+from synth.app import builds, commands, verdicts, workspace
 from synth.app.tasks import attempt
-from synth.app.workspace import Design
 from synth.base import store
 from synth.base.progress import silent
 from synth.declare.fault_campaign import FaultCampaign, StudyLimits
+from synth.declare.stage import Stage
 from synth.errors import DesignError
 from synth.report.audit import Printed, Published, Row, Verdict
 from synth.simulate.experiment import Experiment
@@ -24,7 +24,7 @@ from synth.simulate.faults import campaign
 from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.study import StudyTable
-from synth.stage import consistency as stage_consistency
+from synth.stage import consistency
 from synth.verify import standard
 from synth.verify.evidence import Evidence
 from tests import levitator
@@ -67,27 +67,19 @@ def audit_row(why: str = "a reason") -> Row:
     return Row(PUBLISHED, (), Verdict.FAILS, why)
 
 
-def rows_then_crash() -> Iterator[Row]:
+def rows_then_crash(of: Stage) -> Iterator[Row]:
     yield audit_row()
     crash()
 
 
-def variant(**fields: Any) -> Design:
-    """Return the design whose own verification checks nothing, and that draws no report, for other declarations."""
-    stage = replace(levitator.design(NAME).DESIGN.stage, faults=SHORT, **fields)
-    return replace(
-        levitator.design(NAME).DESIGN,
-        stage=stage,
-        scalar=np.float64,  # whose cost is not measured
-        verify=partial(cheap_evidence, stage),
-        simulate={"experiments": partial(standard_tasks.simulate, stage)},
-        audit=lambda: iter(()),
-        report=lambda *_: "a page",
-    )
+def variant(**fields: Any) -> Stage:
+    """Return the design, in double, whose own verification checks nothing, for other declarations."""
+    made = levitator.design(NAME).DESIGN  # in double its cost is not measured
+    return replace(made, **{"faults": SHORT, "scalar": np.float64, "verify": cheap_evidence, **fields})
 
 
 def build(
-    design: Design, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    design: Stage, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> tuple[int, dict[str, dict[str, Any]], str]:
     """Return the exit status of `synth build`, the checks of the evidence by name, and the page."""
     shutil.copytree(levitator.FOLDER, folder / "workspace")
@@ -129,10 +121,10 @@ def test_each_part_that_raises_is_a_failed_check_and_the_others_go_on(
         return crash() if injection.target == "x" else inject(rig, plant, condition, injection, *others)
 
     monkeypatch.setattr(campaign, "inject", fail_for_x)
-    experiments = levitator.design(NAME).DESIGN.stage.experiments
+    experiments = levitator.design(NAME).DESIGN.experiments
     planted = [*experiments, *map(Planted, ("raises", "raises_elsewhere", "empty"))]
     design = variant(experiments=planted, require={"phase_margin": 89.0, "disk_margin": 1.5})
-    design = replace(design, verify=crash, audit=rows_then_crash, report=crash, report_parts={"survey": crash})
+    design = replace(design, verify=crash, audit=rows_then_crash, contents=crash)
     status, checks, html = build(design, tmp_path, monkeypatch, capsys)
     errors = failed(checks)
     assert status == 1
@@ -141,11 +133,11 @@ def test_each_part_that_raises_is_a_failed_check_and_the_others_go_on(
     assert "raises_elsewhere on machine 1: ZeroDivisionError: planted" in errors[verdicts.WITHOUT_RESULT]
     assert errors["samples of empty"] == "the run is empty"
     assert "after row P-1; ZeroDivisionError" in errors["errors of audit"]
-    assert {"errors of survey", "errors of report", "phase margin", "disk margin"} <= errors.keys()
+    assert {"errors of the contents of the report", "phase margin", "disk margin"} <= errors.keys()
     of_faults = [about for name, about in errors.items() if name.startswith("errors of faults ")]
     assert of_faults and all(about.startswith("x ") for about in of_faults)
     assert checks["settles"]["passed"] and checks[verdicts.UNEXPLAINED]["passed"], "the others did not go on"
-    assert "could not be drawn" in html and "errors of experiment raises" in html
+    assert "errors of experiment raises" in html and "errors of the contents of the report" in html
 
 
 def test_what_raised_an_error_is_not_cached(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,7 +145,7 @@ def test_what_raised_an_error_is_not_cached(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.delenv(store.FRESH, raising=False)
     calls: list[str] = []
 
-    def unlucky(say: Any, whole: bool) -> Evidence:
+    def unlucky(of: Stage, say: Any, whole: bool) -> Evidence:
         calls.append("")
         return crash() if len(calls) == 1 else Evidence(NAME, (), ())
 
@@ -170,16 +162,14 @@ def test_no_design_loses_a_requirement(name: str, monkeypatch: pytest.MonkeyPatc
     """Planted: an impossible margin in each design, whatever it does for its own verification."""
     monkeypatch.chdir(ROOT)
     (design,) = workspace.designs(ROOT, [name])
-    assert design.stage is not None
-    points, loops = dict([*design.stage.operating_points.items()][:1]), design.stage.loops
+    points, loops = dict([*design.operating_points.items()][:1]), design.loops
     stage = replace(
-        design.stage,
+        design,
         require={"phase_margin": 179.0, "delay_margin": 1.0},
         operating_points=points,
         loops=(lambda stage: loops(stage)[:1]) if loops else None,
     )
-    planted = replace(design, stage=stage, verify=partial(cheap_evidence, stage))
-    evidence = builds.verify(planted, False, silent)
+    evidence = builds.verify(replace(stage, verify=cheap_evidence), False, silent)
     checks = {c.name: c for c in evidence.checks}
     assert not evidence.passed and not checks["phase margin"].passed and not checks["delay margin"].passed
     free = verdicts.margins(replace(stage, require={}), evidence.loops)
@@ -212,7 +202,7 @@ def test_a_figure_that_differs_without_a_reason_fails() -> None:
 
 
 def test_a_limit_of_the_study_takes_the_place_of_the_nominal_one() -> None:
-    stage = variant(study=StudyLimits(0.9, {"step_z_ref: *": 2.0})).stage
+    stage = variant(study=StudyLimits(0.9, {"step_z_ref: *": 2.0}))
     table = studied([0.1, 1.5, 1.6])
     assert verdicts.study(stage, table)[-1].value == 0.0, "with the nominal limits no machine passes"
     limited = verdicts.with_limits(stage, table)
@@ -223,9 +213,9 @@ def test_a_limit_of_the_study_takes_the_place_of_the_nominal_one() -> None:
     assert [c.passed for c in verdicts.study(stage, coarse)] == [False, True, True]
     assert not verdicts.study(stage, None)[0].passed, "a declared yield needs a study"
     with pytest.raises(DesignError, match=r"for 'step_z_ref: stl\*', but its checks are step_z_ref: settles"):
-        verdicts.with_limits(variant(study=StudyLimits(limits={"step_z_ref: stl*": 1.0})).stage, table)
+        verdicts.with_limits(variant(study=StudyLimits(limits={"step_z_ref: stl*": 1.0})), table)
     with pytest.raises(DesignError, match=r"study: 'stp: \*' names no experiment: .* one of z_ref, x_ref"):
-        stage_consistency.require_consistent(variant(study=StudyLimits(limits={"stp: *": 1.0})).stage)
+        consistency.require_consistent(variant(study=StudyLimits(limits={"stp: *": 1.0})))
 
 
 def studied(values: Sequence[float]) -> StudyTable:
@@ -238,6 +228,6 @@ def test_instructions_have_a_ceiling_where_one_is_declared() -> None:
     class Measured:
         core, most, compared = "cortex-m4f", {"zig": 900, "gcc": 1100}, ()
 
-    free, limited = variant().stage, variant(most_instructions=1000.0).stage
+    free, limited = variant(), variant(most_instructions=1000.0)
     assert verdicts.cost(free, Measured())[0].verdict == "no limit"  # type: ignore[arg-type]
     assert verdicts.cost(limited, Measured())[0].verdict == "FAILED"  # type: ignore[arg-type]

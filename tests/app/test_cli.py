@@ -7,7 +7,6 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,55 +14,38 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks import axes
-from synth.app import cli, workspace
+from synth.app import cli, standard_tasks, workspace
 from synth.base.progress import Progress
 from synth.check import Check
+from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
-from synth.execute import cross, host
+from synth.execute import cross
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
-from synth.verify import on_target, steps
-from synth.verify.cost import Cost
+from synth.verify import on_target
 from synth.verify.evidence import Evidence
 from synth.verify.proofs import prove
-from synth.verify.steps import Steps
-from tests import tools
+from tests import levitator, tools
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 RUNNER = CliRunner()
-EMITTED = {scalar: {"axes_2": axes.emit(2, scalar)} for scalar in (np.float32, np.float64)}
+NAME = "levitator_pid"
 
 
-def replay(controller: host.Controller) -> dict[str, Any]:
-    q1 = np.where(np.arange(200) < 150, 0.001, np.nan)
-    return {"q1": q1, "q2": 0.002 * np.sin(0.05 * np.arange(200)), "r1": 0.0, "r2": 0.0}
+def agree(of: Stage, report: Progress, whole: bool) -> Evidence:
+    return Evidence(of.name, (), (Check("replay", 0, 0, "1"),))
 
 
-def sequences(controller: host.Controller, report: Progress) -> list[Steps]:
-    return [
-        steps.record(controller, "loop", replay(controller), closed_loop=True),
-        steps.random_steps(controller, 2000),
-    ]
+# The cost and the proofs are measured on it; what it verifies and simulates is replaced, and has tests of its own.
+PID = replace(levitator.design().DESIGN, verify=agree, experiments=(), operating_points={}, require={})
+DOUBLES = replace(PID, scalar=np.float64)  # not measured, which takes most of the time of a build
 
 
-def report(files: Mapping[str, EmittedCode], evidence: Evidence, runs: Any, rows: Any, cost: Cost | None) -> str:
-    return "cost: none" if cost is None else f"cost: {len(cost.coverage)}"
-
-
-AXES = workspace.Design(
-    name="axes_2",
-    scalar=np.float32,
-    emit=EMITTED.__getitem__,
-    verify=lambda report, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
-    simulate={"experiments": lambda report: ()},
-    audit=lambda: iter(()),
-    cost_stimuli=workspace.CostStimuli(lambda: axes.block(2), replay, sequences, 1.0),
-    report=report,
-)
-DOUBLES = replace(AXES, scalar=np.float64)  # not measured, which takes most of the time of a build
+def renamed(of: Stage, name: str) -> Stage:
+    """Return a stage under another name."""
+    return replace(of, controller=replace(of.controller, name=name))
 
 
 @pytest.fixture(scope="module")
@@ -75,8 +57,8 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def one_design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cache: Path) -> None:
     """A workspace of one design, and a folder to write in."""
-    monkeypatch.setattr(workspace, "design_names", lambda root, selected: [AXES.name])
-    monkeypatch.setattr(workspace, "designs", lambda root, selected: [AXES])
+    monkeypatch.setattr(workspace, "design_names", lambda root, selected: [PID.name])
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [PID])
     monkeypatch.setenv("SYNTH_CACHE", str(cache))
     monkeypatch.chdir(tmp_path)
     Path("source").write_text(str(tmp_path))  # a build of this workspace is that of no other one in the cache
@@ -91,9 +73,9 @@ def printed(*arguments: str, status: int = 0) -> list[dict[str, Any]]:
 @pytest.mark.usefixtures("one_design")
 def test_cost_prints_one_document() -> None:
     (document,) = printed("cost")
-    assert document["design"] == "axes_2" and "not cycles" in document["note"]
+    assert document["design"] == "levitator_pid" and "not cycles" in document["note"]
     assert {f["generator"] for f in document["compared"]} == {"synth", "casadi", "casadi, float"}
-    assert {m["name"] for m in document["sequences"]} == {"loop", "random states and inputs"}
+    assert {"faults in motion", "random states and inputs"} <= {m["name"] for m in document["sequences"]}
     assert document["coverage"] and document["operations"]["mul"] > 0 and document["absent"]
 
 
@@ -130,7 +112,7 @@ def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -
 @pytest.mark.usefixtures("one_design")
 def test_verify_without_a_target_compares_the_witnesses() -> None:
     (document,) = printed("verify")
-    assert [c["name"] for c in document["checks"]] == ["replay"] and "target" not in document
+    assert [c["name"] for c in document["checks"]] == ["margins", "replay"] and "target" not in document
 
 
 @pytest.mark.parametrize("option", ["--sweep", "--every"])
@@ -152,10 +134,10 @@ def test_the_progress_of_prove_names_the_design_once(monkeypatch: pytest.MonkeyP
         return ()
 
     monkeypatch.setattr(prove, "prove", proofs)
-    design = replace(AXES, emit=lambda scalar: dict.fromkeys(("axes_2", "currents"), EMITTED[scalar]["axes_2"]))
-    monkeypatch.setattr(workspace, "designs", lambda root, selected: [design])
+    emitted = standard_tasks.emit(PID, np.float32)[NAME]
+    monkeypatch.setattr(standard_tasks, "emit", lambda of, scalar: dict.fromkeys((NAME, "currents"), emitted))
     lines = RUNNER.invoke(cli.app, ["prove", "--json"]).stderr.splitlines()
-    assert [line for line in lines if "Eva" in line] == ["axes_2: Eva", "axes_2: currents: Eva"]
+    assert [line for line in lines if "Eva" in line] == ["levitator_pid: Eva", "levitator_pid: currents: Eva"]
 
 
 @pytest.mark.usefixtures("one_design")
@@ -167,12 +149,12 @@ def test_prove_tells_the_depth_and_fails_with_a_check(
     """The proofs have tests of their own; here they are handed what was emitted."""
 
     def proofs(files: Mapping[str, str], manifest: Any, deep: bool, report: Progress) -> tuple[Check, ...]:
-        assert files["axes_2.c"] and manifest["design"] == "axes_2" and deep == whole
+        assert files["levitator_pid.c"] and manifest["design"] == "levitator_pid" and deep == whole
         return (Check("alarms", alarms, 0, "alarms"),)
 
     monkeypatch.setattr(prove, "prove", proofs)
     (document,) = printed("prove", *arguments, status=alarms)
-    assert (document["design"], document["whole"]) == ("axes_2", whole)
+    assert (document["design"], document["whole"]) == ("levitator_pid", whole)
     assert document["checks"][0]["found"] == alarms
 
 
@@ -180,19 +162,19 @@ def test_prove_tells_the_depth_and_fails_with_a_check(
 def test_build_reports_the_cost() -> None:
     result = RUNNER.invoke(cli.app, ["build"])
     assert result.exit_code == 0, result.output
-    assert Path("reports/axes_2.html").read_text() not in ("cost: none", "cost: 0")
-    assert Path("generated_c/axes_2/axes_2.c").exists()
+    assert "Not measured" not in Path("reports/levitator_pid.html").read_text()
+    assert Path("generated_c/levitator_pid/levitator_pid.c").exists()
 
 
 @pytest.mark.usefixtures("one_design")
 def test_build_measures_no_cost_of_doubles(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(workspace, "designs", lambda root, selected: [DOUBLES])
     assert RUNNER.invoke(cli.app, ["build"]).exit_code == 0
-    assert Path("reports/axes_2.html").read_text().endswith("cost: none")
+    assert "Not measured" in Path("reports/levitator_pid.html").read_text()
 
 
-def fail(report: Progress, whole: bool) -> Evidence:
-    return Evidence("axes_2", (), (Check("replay", 2e-3, 1e-12, "A", "at step 7"), Check("latch", 0, 0, "1")))
+def fail(of: Stage, report: Progress, whole: bool) -> Evidence:
+    return Evidence("levitator_pid", (), (Check("replay", 2e-3, 1e-12, "A", "at step 7"), Check("latch", 0, 0, "1")))
 
 
 @pytest.mark.usefixtures("one_design")
@@ -204,31 +186,39 @@ def test_build_prints_the_failed_checks_first_and_counts_them_last(monkeypatch: 
     assert result.exit_code == 1 and "0.002 A" in failed and "missed" in failed
     assert result.stdout.index("replay") < result.stdout.index("latch") and "at step 7" in result.stdout
     last = " ".join(result.stdout.split())
-    assert "axes_2: 1 of 2 requirements missed; 0 values without a limit; report in reports/axes_2.html" in last
+    assert (
+        "levitator_pid: 1 of 2 requirements missed; 9 values without a limit; report in reports/levitator_pid.html"
+        in last
+    )
 
 
-def miss(report: Progress) -> list[Experiment]:
+def miss(of: Stage, report: Progress) -> list[Experiment]:
     zero = np.zeros(1)
-    still = Trajectory(zero, {}, {}, {}, {}, {}, zero.astype(np.uint32), {})
-    return [Experiment("step", "z steps", "", still, (), checks=(Check("overshoot", 0.3, 0.05, "1", "of the step"),))]
+    still = Trajectory(zero, {"z": zero}, {}, {}, {}, {}, zero.astype(np.uint32), {})
+    return [
+        Experiment("step", "z steps", "", still, ("z",), checks=(Check("overshoot", 0.3, 0.05, "1", "of the step"),))
+    ]
 
 
 @pytest.mark.usefixtures("one_design")
 def test_the_evidence_file_does_not_pass_where_an_experiment_failed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The file must say what the exit status and the last line say."""
-    monkeypatch.setattr(workspace, "designs", lambda root, selected: [replace(DOUBLES, simulate={"experiments": miss})])
+    monkeypatch.setattr(standard_tasks, "simulate", miss)
+    monkeypatch.setattr(standard_tasks, "with_headroom", lambda of, run: run)
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [DOUBLES])
     result = RUNNER.invoke(cli.app, ["build"])
-    evidence = json.loads(Path("reports/axes_2.evidence.json").read_text())
+    evidence = json.loads(Path("reports/levitator_pid.evidence.json").read_text())
     failed = [c["about"] for c in evidence["checks"] if not c["passed"]]
     assert result.exit_code == 1 and evidence["passed"] is False and failed == ["z steps: of the step"]
-    assert f"axes_2: 1 of {len(evidence['checks'])} requirements missed" in result.stdout
+    limited = [c for c in evidence["checks"] if c["limit"] is not None]
+    assert f"levitator_pid: 1 of {len(limited)} requirements missed" in result.stdout
 
 
-def crash(report: Progress, whole: bool) -> Evidence:
+def crash(of: Stage, report: Progress, whole: bool) -> Evidence:
     raise ZeroDivisionError("planted")
 
 
-def die(report: Progress, whole: bool) -> Evidence:
+def die(of: Stage, report: Progress, whole: bool) -> Evidence:
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 
@@ -239,23 +229,23 @@ def test_a_crash_in_one_design_is_reported_and_the_others_finish(
     monkeypatch: pytest.MonkeyPatch, verify: Any, status: int, message: str
 ) -> None:
     """An error of a part is a failed check; a process that dies leaves none."""
-    designs = [replace(AXES, name="axes_1", verify=verify), AXES]
+    designs = [replace(renamed(PID, "levitator_other"), verify=verify), PID]
     monkeypatch.setattr(workspace, "designs", lambda root, selected: designs)
     result = RUNNER.invoke(cli.app, ["verify", "--json"])
     documents = {document["design"]: document for document in json.loads(result.stdout)}
-    assert result.exit_code == status and documents["axes_2"]["passed"]
-    assert message in json.dumps(documents["axes_1"]) and not documents["axes_1"].get("passed")
+    assert result.exit_code == status and documents["levitator_pid"]["passed"]
+    assert message in json.dumps(documents["levitator_other"]) and not documents["levitator_other"].get("passed")
 
 
 @pytest.mark.usefixtures("one_design")
 def test_lines_of_progress_are_whole_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def verify(name: str, report: Progress, whole: bool) -> Evidence:
+    def verify(of: Stage, report: Progress, whole: bool) -> Evidence:
         for k in range(50):
             report(f"step {k} of a long line that another process must not cut")
-        return Evidence(name, (), ())
+        return Evidence(of.name, (), ())
 
-    names = ("axes_1", "axes_2")
-    designs = [replace(AXES, name=name, verify=partial(verify, name)) for name in names]
+    names = ("levitator_other", "levitator_pid")
+    designs = [replace(renamed(PID, name), verify=verify) for name in names]
     monkeypatch.setattr(workspace, "designs", lambda root, selected: designs)
     said = RUNNER.invoke(cli.app, ["verify", "--json"]).stderr.splitlines()
     lines = [line for line in said if not line.endswith(": margins: unchanged")]  # there are none

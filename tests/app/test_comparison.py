@@ -9,9 +9,9 @@ import pytest
 
 from synth.app import compare_command, comparison, workspace
 from synth.app.compare_command import CompareChoice
-from synth.app.workspace import Design
 from synth.base import jobs
 from synth.base.progress import Lines
+from synth.declare.stage import Stage
 from synth.errors import DesignError
 from synth.report import comparison as report
 from synth.report import page
@@ -57,7 +57,7 @@ def test_the_tables_fit_a_terminal(laws: Path, capsys: pytest.CaptureFixture[str
     assert "levitator_slow: 0 of 5 machines keep every limit" in shown and "x_ref: settles" not in shown
 
 
-def loaded(*names: str) -> tuple[Design, Design]:
+def loaded(*names: str) -> tuple[Stage, Stage]:
     first, second = (levitator.design(name).DESIGN for name in names)
     return first, second
 

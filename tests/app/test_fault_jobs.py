@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 def enter_workspace(monkeypatch: pytest.MonkeyPatch, *limits: FaultLimit, **fields: Any) -> None:
     """Enter the workspace of the levitator and shorten its fault campaign."""
     module = levitator.design(NAME)
-    faulty = replace(module.DESIGN.stage, faults=replace(SHORT_RUNS, limits=limits, **fields))
+    faulty = replace(module.DESIGN, faults=replace(SHORT_RUNS, limits=limits, **fields))
     monkeypatch.setattr(module, "DESIGN", replace(module.DESIGN, stage=faulty))
     monkeypatch.chdir(levitator.FOLDER)
 

@@ -97,7 +97,7 @@ def test_a_new_stage_starts_without_a_jolt(tmp_path: Path) -> None:
     folder, _ = new.create(tmp_path, "stage")
     script = (
         "import numpy as np\nfrom designs.stage.design import DESIGN\nfrom synth.app import standard_tasks\n"
-        "rig = standard_tasks.rig(DESIGN.stage, np.float32)\n"
+        "rig = standard_tasks.rig(DESIGN, np.float32)\n"
         "print(abs(rig.run(0.01, {'z': 4e-4}).commands['i'][0]))"
     )
     asked = [float(run(folder, sys.executable, "-c", script).stdout)]

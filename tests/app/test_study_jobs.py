@@ -14,9 +14,9 @@ import pytest
 
 from synth.app import study_command, study_jobs, workspace
 from synth.app.study_jobs import Plan
-from synth.app.workspace import Design
 from synth.base import jobs, store
 from synth.base.progress import Lines, silent
+from synth.declare.stage import Stage
 from synth.errors import DesignError
 from synth.simulate import study_table
 from synth.simulate.sampling import Method, Sampling
@@ -30,7 +30,7 @@ SYNTH = (sys.executable, "-c", "from synth.app.cli import main; main()")
 
 
 @pytest.fixture
-def design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Design:
+def design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Stage:
     monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
     monkeypatch.delenv(store.FRESH, raising=False)
     monkeypatch.chdir(levitator.FOLDER)
@@ -38,7 +38,7 @@ def design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Design:
     return loaded
 
 
-def whole(design: Design, plan: Plan = PLAN, processes: int = 2) -> StudyTable:
+def whole(design: Stage, plan: Plan = PLAN, processes: int = 2) -> StudyTable:
     outcomes = jobs.run(study_jobs.jobs(design, plan), Lines(lambda about, line: None), processes)
     assert not any(o.error for o in outcomes.values()), outcomes
     return study_jobs.result(design, plan, outcomes)
@@ -53,7 +53,7 @@ def require_equal(first: StudyTable, second: StudyTable) -> None:
         assert all(columns[name].tobytes() == others[name].tobytes() for name in columns)
 
 
-def test_the_table_does_not_depend_on_processes_and_the_cache(design: Design) -> None:
+def test_the_table_does_not_depend_on_processes_and_the_cache(design: Stage) -> None:
     table = whole(design, processes=1)
     assert table.rows.tolist() == list(range(PLAN.sampling.rows))
     with store.fresh_run():
@@ -73,7 +73,7 @@ def stored_chunks() -> set[Path]:
     return {path for path in results if b"synth.simulate.study\x94\x8c\nStudyTable" in path.read_bytes()}
 
 
-def test_a_killed_study_goes_on_where_it_was(design: Design, tmp_path: Path) -> None:
+def test_a_killed_study_goes_on_where_it_was(design: Stage, tmp_path: Path) -> None:
     file = tmp_path / "table.csv"
     arguments = ("study", NAME, "--plants", str(PLAN.sampling.rows), "--seed", "2", "--experiments", "z_*")
     command = [*SYNTH, *arguments, "--csv", str(file)]
@@ -93,7 +93,7 @@ def test_a_killed_study_goes_on_where_it_was(design: Design, tmp_path: Path) -> 
         assert file.read_text() == study_table.csv_text(whole(design))
 
 
-def test_the_document_and_the_file(design: Design, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_document_and_the_file(design: Stage, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "table.csv"
     files = study_command.StudyFiles(csv=file)
     chosen = study_command.StudyChoice(9, ("z_*",), 1, "corners", None, files, None, None)
@@ -105,7 +105,7 @@ def test_the_document_and_the_file(design: Design, tmp_path: Path, capsys: pytes
 
 
 @pytest.mark.parametrize("name", [".", "nowhere/table.csv"])
-def test_a_file_that_cannot_be_written_is_refused_before_the_study(design: Design, tmp_path: Path, name: str) -> None:
+def test_a_file_that_cannot_be_written_is_refused_before_the_study(design: Stage, tmp_path: Path, name: str) -> None:
     chosen = study_command.StudyChoice(
         9, (), 1, "corners", None, study_command.StudyFiles(csv=tmp_path / name), None, None
     )
@@ -113,7 +113,7 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_study(design: Desig
         study_command.study(NAME, True, False, chosen)
 
 
-def test_rows_and_designs_that_do_not_exist_are_refused(design: Design) -> None:
+def test_rows_and_designs_that_do_not_exist_are_refused(design: Stage) -> None:
     with pytest.raises(DesignError, match="row 293 of a study of 293 rows: give 0 to 292"):
         study_jobs.row(design, PLAN, 293, silent)
     with pytest.raises(DesignError, match="no experiment is called 'stp'"):
@@ -144,7 +144,7 @@ def scheduler(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes
 
 @pytest.mark.whole
 def test_a_cluster_that_loses_a_worker_gives_the_same_rows(
-    design: Design, scheduler: tuple[str, list[subprocess.Popen[bytes]]]
+    design: Stage, scheduler: tuple[str, list[subprocess.Popen[bytes]]]
 ) -> None:
     address, (_, first, _) = scheduler
     lines: list[str] = []
@@ -159,13 +159,13 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_rows(
     require_equal(table, whole(design))
 
 
-def test_an_address_where_nothing_answers_is_refused(design: Design) -> None:
+def test_an_address_where_nothing_answers_is_refused(design: Stage) -> None:
     pytest.importorskip("distributed")
     with pytest.raises(DesignError, match=r"no dask scheduler answers at 'tcp://127\.0\.0\.1:9'"):
         study_jobs.on_cluster(design, PLAN, "tcp://127.0.0.1:9", silent)
 
 
-def test_without_dask_the_error_says_how_to_install_it(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_dask_the_error_says_how_to_install_it(design: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(DesignError, match=r"needs dask: run `pip install 'synth-stage\[cluster\]'`"):
         study_jobs.on_cluster(design, PLAN, "tcp://127.0.0.1:9", silent)

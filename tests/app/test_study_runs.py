@@ -28,7 +28,7 @@ class Disturbed:
 
 
 def test_a_report_has_the_experiments_in_lanes_on_a_few_machines() -> None:
-    stage = levitator.design().DESIGN.stage
+    stage = levitator.design().DESIGN
     disturbed = replace(stage, experiments=[*stage.experiments, Disturbed()])
     table = study_runs.brief(disturbed, silent)
     assert table is not None and len(table.rows) == study_runs.BRIEF

@@ -132,8 +132,8 @@ def test_the_command_says_what_runs_and_for_how_long(monkeypatch: Any, capsys: p
 @pytest.fixture(scope="module")
 def prepared() -> tune_jobs.Search:
     module = levitator.design("levitator_2dof")
-    tuning = replace(module.DESIGN.stage.tuning, experiments=["step_z*"])
-    stage = replace(module.DESIGN.stage, tuning=tuning, operating_points={"mid": {"z": 0.0}})
+    tuning = replace(module.DESIGN.tuning, experiments=["step_z*"])
+    stage = replace(module.DESIGN, tuning=tuning, operating_points={"mid": {"z": 0.0}})
     return tune_jobs.prepare(replace(module.DESIGN, stage=stage), Plan(3, 1, 1))
 
 

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -18,9 +17,10 @@ from synth.app import builds, workspace
 from synth.app.cli import app
 from synth.base import sources, store
 from synth.base.progress import Progress
-from synth.emit import write
+from synth.declare.stage import Stage
 from synth.errors import DesignError
 from synth.verify.evidence import Evidence
+from tests import levitator
 
 ROOT = Path(__file__).parents[2]
 RUNNER = CliRunner()
@@ -60,21 +60,16 @@ def test_each_command_says_so_in_one_line(tmp_path: Path, command: str) -> None:
     assert ended.returncode == 2 and ended.stderr.count("\n") == 1 and "synth new NAME" in ended.stderr, ended.stderr
 
 
-def design(name: str, **emitted: write.EmittedCode) -> workspace.Design:
-    """Return a design without an audit that emits `emitted`; the rest of it is not to be reached."""
+def verify_nothing(of: Stage, say: Progress, whole: bool) -> Evidence:
+    say("witnesses")
+    return Evidence(of.name, (), ())
 
-    def never(*_: Any) -> NoReturn:
-        raise AssertionError("reached")
 
-    return workspace.Design(
-        name,
-        np.float32,
-        lambda _: emitted,
-        never,
-        {"experiments": never},
-        workspace.CostStimuli(never, never, never),
-        never,
-    )
+def design(name: str) -> Stage:
+    """Return a stage under a name, in double, whose cost is not measured, without experiments and loops."""
+    made = levitator.design().DESIGN
+    bare = replace(made, experiments=(), operating_points={}, require={}, verify=verify_nothing, scalar=np.float64)
+    return replace(bare, controller=replace(made.controller, name=name))
 
 
 def test_a_design_under_another_name_than_its_folder_is_refused_at_once(
@@ -118,31 +113,6 @@ def test_an_error_in_a_design_is_one_line_with_its_place(tmp_path: Path, text: s
 def test_an_error_inside_the_toolkit_keeps_its_traceback(tmp_path: Path) -> None:
     ended = verify_broken(tmp_path, "from synth.stage import compose\ncompose.errors(None, None, [])\n")
     assert ended.returncode == 1 and ended.stderr.startswith("Traceback") and "AttributeError" in ended.stderr
-
-
-def test_a_design_that_emits_under_another_name_is_refused_before_anything_runs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made = design("stage", levitator=write.EmittedCode({}, {}))
-    monkeypatch.setattr(workspace, "design_names", lambda *_: ["stage"])
-    monkeypatch.setattr(workspace, "designs", lambda *_: [made])
-    monkeypatch.chdir(tmp_path)
-    for command in (
-        ["build"],
-        ["prove"],
-        ["cost"],
-        ["emit", "stage", "--out", "o"],
-        ["verify", "--target", "cortex-m7"],
-    ):
-        result = RUNNER.invoke(app, command)
-        text = result.output if isinstance(result.exception, SystemExit) else str(result.exception)
-        assert result.exit_code, command
-        assert "design 'stage' emits levitator, but not 'stage': give DESIGN the name" in text, command
-    assert not any(tmp_path.iterdir())
-
-
-def test_a_design_needs_no_audit() -> None:
-    assert list(design("stage").audit()) == []
 
 
 @pytest.mark.slow
@@ -216,17 +186,7 @@ def test_a_fresh_build_runs_every_part_in_a_job_of_its_own(tmp_path: Path, monke
     monkeypatch.delenv(store.FRESH, raising=False)
     monkeypatch.chdir(tmp_path)
 
-    def verify(say: Progress, whole: bool) -> Evidence:
-        say("witnesses")
-        return Evidence("stage", (), ())
-
-    made = replace(
-        design("stage", stage=write.EmittedCode({}, {})),
-        scalar=np.float64,
-        verify=verify,
-        simulate={},
-        report=lambda *results: "page",
-    )
+    made = design("stage")
     monkeypatch.setattr(workspace, "design_names", lambda *_: ["stage"])
     monkeypatch.setattr(workspace, "designs", lambda *_: [made])
     first, unchanged, fresh = (RUNNER.invoke(app, ["build", *option]).output for option in ((), (), ("--fresh",)))
@@ -258,18 +218,3 @@ def test_an_unchanged_build_imports_no_design_and_any_source_changes_it(
         file.write_text(before)
     files[0].rename(tmp_path / "models/stage.py")
     assert builds.source_key(tmp_path, "stage") != key
-
-
-def test_parts_of_a_report_are_jobs_and_reach_it_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
-    of = replace(
-        design("stage", stage=write.EmittedCode({}, {})),
-        scalar=np.float64,  # whose cost is not measured
-        verify=lambda say, whole: Evidence("stage", (), ()),
-        simulate={},
-        report=lambda *results, parts: f"{len(results)} results, {parts}",
-        report_parts={"survey": lambda say: ("a row",)},
-    )
-    after = {job.name: job.after for job in builds.build_jobs([of], tmp_path, {"stage": ""})}
-    assert "stage report survey" in after["stage"] and after["stage report survey"] == ("stage emit", "stage verify")
-    assert builds.build(of).result(lambda _: None).page.endswith("5 results, {'survey': ('a row',)}")

@@ -19,17 +19,16 @@ ROOT = Path(__file__).parents[2]
 DESIGN = '''"""A design whose experiments report three parts; they do not end while the file `wait` is there."""
 
 import subprocess
-import time
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from synth.base import progress
-from synth.app import workspace
+from synth.app import standard_tasks
 from synth.verify.evidence import Evidence
+from tests import levitator
 
 
-def simulate(report):
+def simulate(of, report):
     for _ in progress.each(["first", "second", "third"], report, str):
         while Path("wait").exists():
             Path("started").touch()
@@ -37,13 +36,11 @@ def simulate(report):
     return []
 
 
-def never(*arguments):
-    raise AssertionError
-
-
-DESIGN = workspace.Design(
-    "stage", np.float32, never, lambda report, whole: Evidence("stage", (), ()), {"experiments": simulate},
-    workspace.CostStimuli(never, never, never), never,
+standard_tasks.simulate = simulate
+PID = levitator.design().DESIGN
+DESIGN = replace(
+    PID, controller=replace(PID.controller, name="stage"), operating_points={}, require={},
+    verify=lambda of, report, whole: Evidence("stage", (), ()),
 )
 '''
 SCRIPT = "from synth.app.cli import main; main()"

@@ -32,10 +32,10 @@ void run(long n, {v} *x, {u} *counters, const {v} *in, const {number} *constants
 }}
 """
 LOOPS = {
-    "maglev": maglev.DESIGN.stage,
-    "leadlag": leadlag.DESIGN.stage,
-    "lqg": lqg.DESIGN.stage,
-    "levitator": levitator.design().DESIGN.stage,
+    "maglev": maglev.DESIGN,
+    "leadlag": leadlag.DESIGN,
+    "lqg": lqg.DESIGN,
+    "levitator": levitator.design().DESIGN,
 }
 
 

@@ -24,7 +24,7 @@ def run(kind: str, latch_s: float, impact: float) -> FaultRun:
 
 
 def campaign(*limits: FaultLimit) -> fault_rows.Campaign:
-    stage = levitator.design().DESIGN.stage
+    stage = levitator.design().DESIGN
     rig = Rig(replace(stage, faults=FaultCampaign(limits=limits)), stage.plant, None)  # type: ignore[arg-type]
     runs = [run("not finite", 2e-3, 0.04), run("offset", float("inf"), 0.0)]
     control = [run("not finite", float("inf"), 0.05)]

@@ -7,17 +7,19 @@ import pytest
 
 from synth.analyse.loops import robustness
 from synth.app import verdicts
-from synth.check import Check
+from synth.check import Check, Incomplete
+from synth.declare.stage import Stage
 from synth.report import first_screen, page, standard, template
 from synth.report.page import Section
-from synth.report.template import Extra
+from synth.report.template import Extra, Results
 from synth.verify.evidence import Evidence
 from tests import levitator
 
-STAGE = levitator.design().DESIGN.stage
+STAGE = levitator.design().DESIGN
 MARGIN = Check("phase margin", 38.0, 35.0, "degrees", at_least=True)
 STEPS = Check("random steps", 0.0, 1e-9, "A")
 EVIDENCE = Evidence("levitator_pid", (), (STEPS,), verdicts={standard.LOOPS: (MARGIN,)})
+RESULTS = Results({}, EVIDENCE, (), (), None)
 OWN = "# Model\nThe moved mass is {{ plant.M }} kg, read every {{ period_ms:g }} ms.\n\n# Bench\n{{ bench }}\n"
 
 
@@ -25,7 +27,11 @@ def report(monkeypatch: pytest.MonkeyPatch, words: str, **extra: Any) -> str:
     """Return the report without runs and without loops, which take long: the margins are shown all the same."""
     made = (Section(standard.LOOPS),)
     monkeypatch.setattr(template, "design_prose", lambda name: words)
-    return template.report(STAGE, {}, EVIDENCE, (), (), None, Extra(sections=made, **extra))
+    return page_with(Extra(sections=made, **extra))
+
+
+def page_with(extra: Extra) -> str:
+    return template.report(replace(STAGE, contents=lambda stage, results: extra), RESULTS)
 
 
 def test_a_declaration_alone_gives_every_standard_section(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,4 +102,23 @@ def test_a_design_adds_to_the_control_law_and_states_the_floor_of_its_witnesses(
     text = dict.fromkeys(("shared", STAGE.name), "") | {"shared": "# Model\nOf both designs."}
     monkeypatch.setattr(template, "design_prose", text.__getitem__)
     sections = Extra(sections=(Section(standard.LOOPS, ()),), shared=("shared",))
-    assert "Of both designs." in template.report(STAGE, {}, EVIDENCE, (), (), None, sections)
+    assert "Of both designs." in page_with(sections)
+
+
+def test_sections_may_be_left_out_and_further_ones_stand_before_the_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    html = report(monkeypatch, "", omitted=(standard.GAINS, standard.LOOPS))
+    assert f" {standard.GAINS}</h2>" not in html
+    monkeypatch.setattr(template, "design_prose", lambda name: "")
+    html = page_with(Extra(sections=(Section(standard.LOOPS), Section("Bench"))))
+    cost, bench, files = (html.index(f" {title}</h2>") for title in (first_screen.COST, "Bench", standard.FILES))
+    assert cost < bench < files
+
+
+def test_contents_that_raise_an_error_are_a_failed_check_and_the_standard_page_stays() -> None:
+    def planted(stage: Stage, results: Results) -> Extra:
+        raise ZeroDivisionError("planted")
+
+    with pytest.raises(Incomplete) as raised:
+        template.report(replace(STAGE, contents=planted), RESULTS)
+    assert [c.name for c in raised.value.checks] == ["errors of the contents of the report"]
+    assert f" {standard.FILES}</h2>" in raised.value.value

@@ -20,7 +20,7 @@ def test_valid_estimates_away_from_the_truth_are_wrong() -> None:
 
 
 def test_consecutive_steps_begin_where_the_last_one_ended() -> None:
-    controller = standard_tasks.compiled_controller(levitator.design().DESIGN.stage, np.float64)
+    controller = standard_tasks.compiled_controller(levitator.design().DESIGN, np.float64)
     names = controller.inputs.names or ()
     inputs = {name: np.random.default_rng(0).uniform(-1e-4, 1e-4, (5, 3)) for name in names}
     states, flat = ensemble.consecutive_steps(controller, inputs)

@@ -20,7 +20,7 @@ DESIGN: Any = levitator.design("levitator_2dof")
 
 @pytest.fixture(scope="module")
 def rig() -> Rig:
-    stage = DESIGN.DESIGN.stage
+    stage = DESIGN.DESIGN
     return Rig(stage, DESIGN.PLANT, standard_tasks.compiled_controller(stage, np.float32))
 
 

@@ -32,7 +32,7 @@ def bounded(block: Block, name: str, bound: float) -> Block:
 def planted() -> Stage:
     """Return the stage with too low a bound of the rate of the error in z."""
     laws = {"z": bounded(PID.pid("z"), "v", LOW), "x": PID.pid("x")}
-    return replace(PID.DESIGN.stage, controller=PID.variant(laws))
+    return replace(PID.DESIGN, controller=PID.variant(laws))
 
 
 def simulated(stage: Stage) -> list[Experiment]:
@@ -68,7 +68,7 @@ def test_states_limited_on_purpose_may_reach_their_bound(planted: Stage) -> None
 
 
 def test_the_ratio_is_taken_about_the_middle_of_the_range() -> None:
-    controller = standard_tasks.compiled_controller(PID.DESIGN.stage, np.float64)
+    controller = standard_tasks.compiled_controller(PID.DESIGN, np.float64)
     n = 10
     inputs = {"z": np.zeros(n), "x": np.full(n, -1e-3), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
     ratios = headroom.ratios(controller, inputs)

@@ -18,7 +18,7 @@ PID = levitator.design()
 
 @pytest.fixture(scope="module")
 def rig() -> Rig:
-    return standard_tasks.rig(PID.DESIGN.stage, np.float64)
+    return standard_tasks.rig(PID.DESIGN, np.float64)
 
 
 def test_a_set_point_that_is_not_given_stays_where_its_position_starts(rig: Rig) -> None:

@@ -17,7 +17,7 @@ PID = levitator.design()
 
 @pytest.fixture(scope="module")
 def rig() -> Rig:
-    loaded = standard_tasks.rig(PID.DESIGN.stage, np.float64)
+    loaded = standard_tasks.rig(PID.DESIGN, np.float64)
     errors = {"offset": 2e-6, "gain_error": 0.01}
     sensors = tuple(replace(s, **errors) if s.name == "z" else s for s in loaded.stage.interface.sensors)
     return loaded.with_interface(sensors=sensors)

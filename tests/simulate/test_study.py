@@ -43,7 +43,7 @@ class Fall:
 
 @pytest.fixture(scope="module")
 def rig() -> Rig:
-    return standard_tasks.rig(PID.DESIGN.stage, np.float64)
+    return standard_tasks.rig(PID.DESIGN, np.float64)
 
 
 @pytest.fixture(scope="module")

@@ -49,7 +49,7 @@ def test_runs_of_different_lengths_equal_separate_runs() -> None:
 @pytest.mark.parametrize("made", [agree.casadi, agree.casadi_own_c])
 def test_consecutive_steps_equal_single_steps(made: Callable[[Block], agree.Witness]) -> None:
     """The run is longer than CHUNK samples and has a bad sample in each part."""
-    block = levitator.design().DESIGN.stage.controller.block
+    block = levitator.design().DESIGN.controller.block
     rng, n = np.random.default_rng(3), agree.CHUNK + 30
     inputs = {s.name: rng.uniform(s.low, s.high, n) for s in block.inputs}
     for values in inputs.values():

@@ -8,7 +8,7 @@ from synth.verify import sampling, steps, stimuli
 from tests import levitator
 
 PID = levitator.design()
-BLOCK = PID.DESIGN.stage.controller.block
+BLOCK = PID.DESIGN.controller.block
 N = 4000
 
 
@@ -47,7 +47,7 @@ def test_whole_numbers_and_margins() -> None:
 
 
 def test_steps_in_operation_are_near_recorded_ones() -> None:
-    rig = standard_tasks.rig(PID.DESIGN.stage, np.float64)
+    rig = standard_tasks.rig(PID.DESIGN, np.float64)
     inputs = stimuli.closed_loop(rig, 500).measured
     recorded = steps.record(rig.controller, "loop", inputs)
     states, drawn = sampling.operating_steps(BLOCK, np.random.default_rng(5), N, recorded)

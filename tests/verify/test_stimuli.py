@@ -11,7 +11,7 @@ from synth.verify import steps, stimuli
 from tests import levitator
 
 PID = levitator.design()
-STAGE = PID.DESIGN.stage
+STAGE = PID.DESIGN
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from synth.errors import NoEquilibriumError, SignalError
 from tests import levitator
 
 DESIGN: Any = levitator.design("levitator_2dof")
-CONTROLLER = DESIGN.DESIGN.stage.controller
+CONTROLLER = DESIGN.DESIGN.controller
 POINTS = {"low": {"z": -5e-4}, "side": {"x": 8e-4}}
 
 

@@ -61,7 +61,7 @@ def test_a_status_concerns_no_input_and_says_what_it_is(fields: dict[str, str]) 
 
 def with_late_bit(status: bool) -> Block:
     """Return the levitator's controller with a bit 5 that is always set, as a status or, wrongly, as a fault."""
-    block = PID.DESIGN.stage.controller.block
+    block = PID.DESIGN.controller.block
     flag = next(f for f in block.faults if f.bit == 31)
     name = "always_late"
     output = {**block.output, name: 1 - block.output[flag.output]}

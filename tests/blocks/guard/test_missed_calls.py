@@ -62,9 +62,9 @@ def test_a_bit_that_is_not_free_is_refused(bit: int) -> None:
 def counting_stage(limit: float = LIMIT) -> Stage:
     """Return the levitator's stage, whose caller counts missed calls."""
     interface = replace(PID.INTERFACE, missed_calls=missed_calls.signal(limit))
-    laws = PID.DESIGN.stage.controller.laws
+    laws = PID.DESIGN.controller.laws
     return replace(
-        PID.DESIGN.stage, controller=stage.controller("levitator_pid", PID.TIME, interface, laws), reference=reference
+        PID.DESIGN, controller=stage.controller("levitator_pid", PID.TIME, interface, laws), reference=reference
     )
 
 
@@ -87,7 +87,7 @@ def test_a_stage_declares_the_count_once_and_gets_the_next_free_bit() -> None:
     assert stage.interface(PID.PLANT, **around).missed_calls is None
     assert stage.interface(PID.PLANT, **around, missed_calls=LIMIT).inputs[-1] == missed_calls.signal(LIMIT)
     assert [f.bit for f in counting_stage().controller.block.faults] == [0, 1, 2, 3, 31, 4]
-    assert "missed_calls" not in [s.name for s in PID.DESIGN.stage.controller.block.inputs]
+    assert "missed_calls" not in [s.name for s in PID.DESIGN.controller.block.inputs]
 
 
 def test_the_witnesses_agree_and_a_controller_that_ignores_the_count_is_caught() -> None:
@@ -136,6 +136,6 @@ def test_the_campaign_notices_missing_calls_above_the_limit_alone(rig: Rig) -> N
 
 
 def test_a_variant_without_the_count_runs_in_the_same_rig(rig: Rig) -> None:
-    alone = replace(rig, controller=standard_tasks.compiled_controller(PID.DESIGN.stage, np.float32))
+    alone = replace(rig, controller=standard_tasks.compiled_controller(PID.DESIGN, np.float32))
     assert "missed_calls" not in alone.run(0.01, missed=np.zeros(20, bool)).measured
     assert "missed_calls" not in alone.at_rest()

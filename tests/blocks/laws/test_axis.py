@@ -309,7 +309,7 @@ def test_the_document_contains_the_synthesised_gains() -> None:
 
 def test_a_stage_that_wakes_away_from_zero_is_not_kicked() -> None:
     """At first the command is the safe value: x sags by 7 um at 0.7 mm, where its spring pulls, and z by 1 um."""
-    design = DESIGN.DESIGN.stage
+    design = DESIGN.DESIGN
     rig = Rig(design, DESIGN.PLANT, standard_tasks.compiled_controller(design, np.float64))
     away = Conditions(start={"z": -3e-4, "x": -7e-4})
     figures = Hold({"z_ref": 1e-5, "x_ref": 1e-5}, conditions=away).run(rig).figures

@@ -13,10 +13,11 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.protected import config as protected
 from synth import testing
 from synth.app import workspace
-from synth.app.workspace import Design
 from synth.base import contents
 from synth.check import Check
+from synth.declare.stage import Stage
 from synth.emit import write
+from synth.verify import standard
 from synth.verify.proofs import eva, misra, nonfinite
 from tests import tools
 
@@ -26,7 +27,7 @@ needs_provers = tools.needs(*tools.PROVERS, shows="that the committed C keeps it
 
 
 @pytest.fixture(scope="module")
-def design() -> Design:
+def design() -> Stage:
     (hall_position,) = workspace.designs(ROOT, ["hall_position"])
     return hall_position
 
@@ -36,31 +37,30 @@ def committed_files(name: str) -> tuple[dict[str, str], dict[str, Any]]:
     return {p.name: p.read_text() for p in folder.glob("*.[ch]")}, json.loads((folder / "manifest.json").read_text())
 
 
-def test_the_workspace_finds_it(design: Design) -> None:
+def test_the_workspace_finds_it(design: Stage) -> None:
     assert (design.name, design.scalar) == (config.NAME, np.float32)
-    block = design.cost_stimuli.block()
+    block = design.controller.block
     assert block.name == design.name and block.time == config.TIME and block.time.period_s == 1 / 800
     assert [s.name for s in block.inputs] == ["V_ax", "V_ay", "V_bx", "V_by"]
-    assert design.cost_stimuli == workspace.CostStimuli(config.block, stimuli.replay, stimuli.sequences, stimuli.FLOOR)
+    declared = standard.stimuli_of(design)
+    assert (declared.replay, declared.sequences) == (stimuli.replay, stimuli.sequences)
 
 
-def test_what_is_declared_is_the_guarded_estimator(design: Design) -> None:
+def test_what_is_declared_is_the_guarded_estimator(design: Stage) -> None:
     """Byte by byte what a guard and the estimator are together; once latched its states go on."""
-    assert design.stage is not None
     other = estimator.guarded_estimator(config.array(), config.TIME, config.TUNING)
-    texts = [write.emit(block, np.float32, libm=True).files for block in (design.stage.controller.block, other)]
+    texts = [write.emit(block, np.float32, libm=True).files for block in (design.controller.block, other)]
     assert texts[0] == texts[1]
 
 
-def test_every_task_has_a_key(design: Design) -> None:
+def test_every_task_has_a_key(design: Stage) -> None:
     """So that evidence and reports are made once."""
-    for task in (design.emit, design.verify, design.audit, design.report, *design.report_parts.values()):
+    for task in (design, design.verify, design.audit, design.contents):
         assert contents.digest(task) == contents.digest(task)
 
 
-def test_defects_that_are_planted_are_found(design: Design) -> None:
-    assert design.stage is not None
-    assert testing.undetected_defects(design.stage) == []
+def test_defects_that_are_planted_are_found(design: Stage) -> None:
+    assert testing.undetected_defects(design) == []
 
 
 @pytest.mark.parametrize(("name", "sensors"), [(config.NAME, 2), (protected.THREE, 3), (protected.NAME, 4)])
@@ -128,5 +128,5 @@ def test_a_number_that_is_none_and_passes_is_detected() -> None:
     assert deaf != files[name] and failed_names(nonfinite.compare({**files, name: deaf}, manifest).checks())
 
 
-def test_its_audit_is_that_of_the_paper(design: Design) -> None:
+def test_its_audit_is_that_of_the_paper(design: Stage) -> None:
     assert next(iter(design.audit())).id.startswith("K-")

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from designs.hall_position import config, page
-from designs.hall_position.design import RESULTS
+from designs.hall_position.design import DESIGN, RESULTS
 from designs.hall_position.pages import field
 from designs.hall_position.paper import rows
 from models.hall_stage import Stage
 from synth.emit.write import EmittedCode
-from synth.report import audit, sections
+from synth.report import audit, sections, template
 from synth.report.captions import Content, Rows
 from synth.report.page import Folded, Section, Table
 from synth.verify.cost import Cost
@@ -36,7 +36,7 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     scope = rows.scope(STAGE, rows.published_rows())
     few = [audit.recompute(scope.published[n], scope) for n in ("K-1", "K-8")]
     files = {"other": EmittedCode({}, {})}
-    html = page.report(files, Evidence(config.NAME, (), ()), [], few, cost, {"studies": QUOTED})
+    html = template.report(DESIGN, template.Results(files, Evidence(config.NAME, (), ()), [], few, cost))
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in ("Fig. 3", "Fig. 4", "Fig. 5 and (3)", "Fig. 8", "air gap", "K-8", "GLSDC", QUOTED["revision"]):
         assert text in html, text

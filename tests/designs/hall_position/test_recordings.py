@@ -14,6 +14,7 @@ from designs.hall_position import config, stimuli
 from designs.hall_position.design import DESIGN
 from designs.hall_position.glsdc import channels
 from designs.hall_position.protected import config as protected
+from synth.app import standard_tasks
 from synth.blocks.guard import safety
 from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
@@ -28,7 +29,7 @@ SEARCH = 60  # samples from init, at rest, in which the place is found
 
 @cache
 def emitted_files() -> Mapping[str, EmittedCode]:
-    return DESIGN.emit(np.float32)
+    return standard_tasks.emit(DESIGN, np.float32)
 
 
 def committed_files(name: str) -> tuple[dict[str, str], dict[str, Any], dict[str, Any]]:

@@ -3,7 +3,7 @@
 import pytest
 
 from designs.levitator_2dof.design import DESIGN
-from synth.app.workspace import Design
+from synth.declare.stage import Stage
 from synth.testing import (
     test_defects_that_are_planted_are_found,
     test_the_c_compiles_without_a_warning,
@@ -20,5 +20,5 @@ __all__ = [
 
 
 @pytest.fixture(scope="session")
-def design() -> Design:
+def design() -> Stage:
     return DESIGN

@@ -6,7 +6,7 @@ import pytest
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
 from synth.app import standard_tasks, tasks
-from synth.app.workspace import Design
+from synth.declare.stage import Stage
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.rig import Rig
@@ -14,7 +14,7 @@ from synth.verify.evidence import Evidence
 
 
 @pytest.fixture(scope="session")
-def design() -> Design:
+def design() -> Stage:
     return DESIGN
 
 
@@ -25,17 +25,17 @@ def stage() -> Plant:
 
 @pytest.fixture(scope="session")
 def single() -> host.Controller:
-    return standard_tasks.compiled_controller(DESIGN.stage, np.float32)
+    return standard_tasks.compiled_controller(DESIGN, np.float32)
 
 
 @pytest.fixture(scope="session")
 def double() -> host.Controller:
-    return standard_tasks.compiled_controller(DESIGN.stage, np.float64)
+    return standard_tasks.compiled_controller(DESIGN, np.float64)
 
 
 @pytest.fixture(scope="session")
 def emitted_rig() -> Rig:
-    return standard_tasks.rig(DESIGN.stage, np.float32)
+    return standard_tasks.rig(DESIGN, np.float32)
 
 
 @pytest.fixture(scope="session")

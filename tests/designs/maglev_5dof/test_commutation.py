@@ -30,7 +30,7 @@ STOP = 0.031  # m, the gap at the lower stop
 @cache
 def rig() -> Rig:
     """Return the stage with stops along every coordinate."""
-    return campaign.with_stops(standard_tasks.rig(DESIGN.stage, np.float32))
+    return campaign.with_stops(standard_tasks.rig(DESIGN, np.float32))
 
 
 def behind(block: Block) -> Rig:

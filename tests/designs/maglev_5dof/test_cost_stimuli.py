@@ -10,6 +10,7 @@ import pytest
 from designs.maglev import platen
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
+from synth.app import standard_tasks
 from synth.check import Check
 from synth.emit.write import EmittedCode
 from synth.execute import host
@@ -32,12 +33,12 @@ def controller() -> host.Controller:
 
 @pytest.fixture(scope="module")
 def inputs(controller: host.Controller) -> dict[str, Any]:
-    return dict(DESIGN.cost_stimuli.replay(controller))
+    return dict(standard_tasks.replay_inputs(DESIGN, controller))
 
 
 @pytest.fixture(scope="module")
 def sequences(controller: host.Controller) -> dict[str, Steps]:
-    return {s.name: s for s in DESIGN.cost_stimuli.sequences(controller, lambda _: None)}
+    return {s.name: s for s in standard_tasks.cost_sequences(DESIGN, controller, lambda _: None)}
 
 
 def test_the_replay_has_faults_and_latches_at_its_end(controller: host.Controller, inputs: dict[str, Any]) -> None:
@@ -87,7 +88,7 @@ def test_the_law_alone_is_measured_without_the_count_of_missed_calls(
     controller: host.Controller, inputs: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By one build, without the texts of CasADi, which are not compared here and take most of the time."""
-    law = DESIGN.cost_stimuli.law_alone
+    law = standard_tasks.law_alone(DESIGN)
     assert law is not None and "missed_calls" in inputs
     monkeypatch.setattr(meter, "builds", lambda: (ZIG,))
     loop = steps.thinned(steps.record(controller, "closed loop", inputs, closed_loop=True), meter.BRIEF_STEPS)

@@ -23,5 +23,5 @@ __all__ = [
 @pytest.mark.parametrize("name", ["maglev_5dof", "maglev_5dof_precise"])
 def test_the_equations_of_the_law_are_shown(name: str) -> None:
     """The section checks each equation against the Block, and fails for a signal without a value."""
-    stage = importlib.import_module(f"designs.{name}.design").DESIGN.stage
+    stage = importlib.import_module(f"designs.{name}.design").DESIGN
     assert standard.law(stage.controller.block).title == standard.LAW

@@ -10,6 +10,7 @@ import pytest
 from designs.maglev import verification
 from designs.maglev_5dof import reference, reference_gains
 from designs.maglev_5dof.design import DESIGN
+from synth.app import standard_tasks
 from synth.emit.write import EmittedCode
 from synth.execute import host
 
@@ -19,7 +20,7 @@ NAMES = ("maglev_5dof", "maglev_5dof_phase")
 
 @pytest.fixture(scope="module")
 def regenerated() -> Mapping[str, EmittedCode]:
-    return DESIGN.emit(np.float32)
+    return standard_tasks.emit(DESIGN, np.float32)
 
 
 @pytest.mark.parametrize("name", NAMES)

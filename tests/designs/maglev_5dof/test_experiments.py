@@ -102,14 +102,14 @@ def _with_gain(block: Block, name: str) -> Block:
 def test_a_wrong_sign_in_a_gain_is_caught(stage: Plant) -> None:
     block = _with_gain(control.controller(stage).block, "regulator_y_k_de")
     wrong = build.compile_block(block, np.float32, error=platen.SURROGATE_ERROR[np.float32])
-    run = motions.step(Rig(DESIGN.stage, stage, wrong), "y", 0.022, 0.029, gap=0.022)
+    run = motions.step(Rig(DESIGN, stage, wrong), "y", 0.022, 0.029, gap=0.022)
     assert run.response.t_s > LIMITS.y[1]
 
 
 @pytest.mark.parametrize("parameter", ["k_s_theta", "G"])
 def test_a_wrong_sign_in_the_physics_is_caught(stage: Plant, single: host.Controller, parameter: str) -> None:
     wrong = stage.with_parameters(**MappingProxyType({parameter: -stage.parameter(parameter).value}))
-    runs = [motions.step(Rig(DESIGN.stage, plant, single), "theta", 0.0, 0.01) for plant in (stage, wrong)]
+    runs = [motions.step(Rig(DESIGN, plant, single), "theta", 0.0, 0.01) for plant in (stage, wrong)]
     late, gone = LIMITS.theta[1], 1e-3
     caught = [r.response.t_s > late or np.abs(r.trajectory["y"] - 0.025).max() > gone for r in runs]
     assert caught == [False, True]

@@ -32,8 +32,8 @@ MEASURED = [s.name for s in platen.INTERFACE.sensors]
 
 def runs(target: str, kind: str, condition: str) -> list[FaultRun]:
     """Return the runs of a permanent fault on the nominal plant and wrong ones."""
-    assert DESIGN.stage is not None
-    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    assert DESIGN is not None
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
     faults = [i for i in injections.derive(rig.stage) if (i.target, i.kind, i.duration) == (target, kind, "permanent")]
     chosen = next(c for c in campaign.motion_and_standstill(rig) if c.name == condition)
     return [run for i in range(PLANTS) for run in campaign.run(rig, i, chosen, silent, faults)[1]]
@@ -68,7 +68,7 @@ def at_rest(rig: Rig, plant: int, gap: float, frozen: str = "", friction: bool =
 def test_an_encoder_that_freezes_at_rest_does_not_answer_the_probe_and_the_platen_lands(
     sensor: str, gap: float
 ) -> None:
-    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
     for i, friction in ((0, False), (0, True), (4, False), (12, False)):
         run = at_rest(rig, i, gap, sensor, friction)
         bits = np.flatnonzero(run.faults)
@@ -80,7 +80,7 @@ def test_an_encoder_that_freezes_at_rest_does_not_answer_the_probe_and_the_plate
 
 def test_without_the_probe_an_encoder_that_freezes_at_rest_ends_at_a_stop() -> None:
     """The negative control: the exclusion is switched off, so x leaves its unstable rest."""
-    rig = campaign.with_stops(standard_tasks.rig_without_latch(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig_without_latch(DESIGN, DESIGN.scalar))
     run = at_rest(rig, 0, 0.0195, "x")
     assert not run.faults.any() and run.impacts["x"] > 0.3
 
@@ -88,7 +88,7 @@ def test_without_the_probe_an_encoder_that_freezes_at_rest_ends_at_a_stop() -> N
 @pytest.mark.parametrize("friction", [False, True])
 @pytest.mark.parametrize("gap", [0.0185, 0.025, 0.030])
 def test_at_rest_the_probe_has_no_false_alarm_and_keeps_the_platen_within_one_count(friction: bool, gap: float) -> None:
-    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
     for i in (0, 5, 12):
         run = at_rest(rig, i, gap, friction=friction)
         assert not run.faults.any()
@@ -107,7 +107,7 @@ def test_a_lost_gap_encoder_is_named_and_the_loop_continues(kind: str) -> None:
 
 @pytest.mark.parametrize("pair", [("y1", "y3"), ("y2", "y4"), ("y1", "y2"), ("y3", "y4")])
 def test_without_two_gap_encoders_the_platen_lands_below_a_tenth_of_a_metre_per_second(pair: tuple[str, str]) -> None:
-    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
     motion = next(c for c in campaign.motion_and_standstill(rig) if c.name == campaign.IN_MOTION)
     k = np.arange(round(motion.duration_s / rig.period_s))
     for i, onset in product(range(PLANTS), motion.onsets):
@@ -137,7 +137,7 @@ def with_defect(rig: Rig, text: str, defect: str) -> Rig:
 
 @pytest.mark.parametrize("gap", [0.0185, 0.020, 0.021])
 def test_a_tilted_platen_that_loses_x_near_its_upper_stop_lands_without_tilting_further(gap: float) -> None:
-    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
     for i in (0, 2, 5, 6):
         run = lose_x_tilted(rig, i, gap)
         assert np.abs(run["theta"]).max() < 6e-3 and run.impacts["theta"] == 0
@@ -146,7 +146,7 @@ def test_a_tilted_platen_that_loses_x_near_its_upper_stop_lands_without_tilting_
 
 def test_the_campaign_sees_a_handover_that_does_not_wait_at_small_gaps() -> None:
     """The planted defect: the platen tilts to its stop, at rest at the tilted operating point alone."""
-    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
     planted = with_defect(rig, "held_by_spring = 0.022f", "held_by_spring = 0.0f")
     lost = [Injection("sensor", "x", "not finite", "permanent")]
     for condition in campaign.motion_and_standstill(rig):
@@ -163,7 +163,7 @@ def freeze_tilted(rig: Rig, plant: int, name: str) -> campaign.FaultRun:
 
 def test_a_frozen_gap_encoder_of_which_another_one_was_accused_first_is_found_in_the_landing() -> None:
     """At rest predictions follow the frozen code; only while the platen lands does it stand still alone."""
-    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
     planted = with_defect(rig, "(redundancy_excluded_y3 != 0u) && !readmitted_y3", "redundancy_excluded_y3 != 0u")
     assert max(freeze_tilted(rig, 35, "y2").impacts.values()) < 0.06  # m/s, rad/s
     assert freeze_tilted(planted, 35, "y2").impacts["y"] > 0.3  # m/s
@@ -179,14 +179,14 @@ def wait_on_the_stop(rig: Rig) -> float:
 
 
 def test_no_current_grows_while_the_platen_waits_at_a_set_point_on_its_stop() -> None:
-    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
     planted = with_defect(rig, "in->y_ref, 0.01802f, 0.03098f,", "in->y_ref, 0.01802f, 0.031f,")
     assert wait_on_the_stop(rig) < 0.02 < 0.05 < wait_on_the_stop(planted)  # A
 
 
 def test_a_latch_in_flight_keeps_the_angles_of_the_encoders_that_still_read() -> None:
     """Once latched the observers stand still, and the platen moves on: x and z are measured, and nothing else."""
-    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
     motion = next(c for c in campaign.motion_and_standstill(rig) if c.name == campaign.IN_MOTION)
     k = np.arange(round(motion.duration_s / rig.period_s))
     bits = {f.get("suspect"): f["bit"] for f in rig.controller.manifest["faults"]}
@@ -205,8 +205,8 @@ def test_a_latch_in_flight_keeps_the_angles_of_the_encoders_that_still_read() ->
 @pytest.mark.parametrize("plant", [8, 11, 14, 15])
 def test_calls_that_are_missing_at_rest_end_in_no_contact_and_are_reported_at_the_next_call(plant: int) -> None:
     """A pair of the probe that pushes meanwhile moves the platen far, and its code stands still as it turns."""
-    faults = replace(DESIGN.stage.faults, durations_s=(0.05, 0.06))
-    rig = campaign.with_stops(standard_tasks.rig(replace(DESIGN.stage, faults=faults), DESIGN.scalar))
+    faults = replace(DESIGN.faults, durations_s=(0.05, 0.06))
+    rig = campaign.with_stops(standard_tasks.rig(replace(DESIGN, faults=faults), DESIGN.scalar))
     missing = [i for i in injections.derive(rig.stage) if i.kind == "missing" and i.duration.endswith(" s")]
     rest = next(c for c in campaign.motion_and_standstill(rig) if c.name == campaign.AT_REST)
     _, ended = campaign.run(rig, plant, rest, silent, missing)
@@ -218,7 +218,7 @@ def test_calls_that_are_missing_at_rest_end_in_no_contact_and_are_reported_at_th
 @pytest.mark.parametrize("plant", [0, 5, 12])
 @pytest.mark.parametrize("friction", [False, True])
 def test_a_minute_of_tracking_a_step_and_a_lift_off_have_no_false_alarm(plant: int, friction: bool) -> None:
-    rig = machine(campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar)), plant, friction)
+    rig = machine(campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar)), plant, friction)
     healthy = [
         motions.tracking(rig, True)[0],
         *(motions.step(rig, axis, -0.0499, 0.0499, gap=0.030).trajectory for axis in "xz"),
@@ -229,7 +229,7 @@ def test_a_minute_of_tracking_a_step_and_a_lift_off_have_no_false_alarm(plant: i
 
 def test_without_its_detection_a_frozen_encoder_of_x_harms_the_machine() -> None:
     """The negative control: neither excluded sensors nor a landing, so x runs away."""
-    rig = campaign.with_stops(standard_tasks.rig_without_latch(DESIGN.stage, DESIGN.scalar))
+    rig = campaign.with_stops(standard_tasks.rig_without_latch(DESIGN, DESIGN.scalar))
     faults = [Injection("sensor", "x", "frozen", "permanent")]
     motion = next(c for c in campaign.motion_and_standstill(rig) if c.name == campaign.IN_MOTION)
     assert all(run.impacts["x"] > 0.5 for run in campaign.run(rig, 0, motion, silent, faults)[1])  # m/s
@@ -237,9 +237,9 @@ def test_without_its_detection_a_frozen_encoder_of_x_harms_the_machine() -> None
 
 def test_pairs_of_faults_are_the_redundant_gap_encoders_and_each_sensor_with_its_motor() -> None:
     """The four gap encoders see three coordinates, y1 + y3 = y2 + y4; x and z have one encoder each."""
-    assert DESIGN.stage is not None
+    assert DESIGN is not None
     gaps = {f"y{j}" for j in platen.MOTORS}
-    pairs = injections.sensor_pairs(DESIGN.stage)
+    pairs = injections.sensor_pairs(DESIGN)
     assert len(pairs) == 6 and all(set(pair) <= gaps for pair in pairs)
-    motors = {sensor: current[-1] for sensor, current in injections.driven_sensors(DESIGN.stage)}  # i_a1 .. i_c4
+    motors = {sensor: current[-1] for sensor, current in injections.driven_sensors(DESIGN)}  # i_a1 .. i_c4
     assert motors == {"y1": "1", "y2": "2", "y3": "3", "y4": "4", "x": "2", "z": "1"}

@@ -24,7 +24,7 @@ from synth.simulate.sensors import Override
 INPUTS = stages.guarded_inputs(platen.INTERFACE)
 NAMES = [g.signal.name for g in INPUTS]
 MEASURED = [g.signal.name for g in INPUTS if g.measurement]
-SAFETY = DESIGN.stage.controller.block.safety
+SAFETY = DESIGN.controller.block.safety
 LATCHED = 1 << 31
 NONE_MISSED = {"missed_calls": 0.0}
 BAD = (np.nan, np.inf, -np.inf, 1e30, -1e30, 5e-324, -1.0)

@@ -14,9 +14,7 @@ from tests.designs.maglev_5dof.test_fault_campaign import with_defect
 pytestmark = pytest.mark.slow
 
 STEP, SIZE = 1000, 0.06  # sample, m
-RIGS = {
-    d.name: campaign.with_stops(standard_tasks.rig(d.stage, d.scalar)) for d in (DESIGN, PRECISE) if d.stage is not None
-}
+RIGS = {d.name: campaign.with_stops(standard_tasks.rig(d, d.scalar)) for d in (DESIGN, PRECISE)}
 
 
 def in_a_step(

@@ -39,7 +39,7 @@ MARGINS = {
 
 @pytest.fixture(scope="module")
 def loops() -> robustness.Loops:
-    return standard.loops(DESIGN.stage)
+    return standard.loops(DESIGN)
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def test_the_controller_rests_on_the_currents_that_hold_the_platen(
     stage: Plant, loops: robustness.Loops, gap: int
 ) -> None:
     """The equilibrium is the controller's too, at the ends of the set-points as well; init's last currents are none."""
-    held = DESIGN.stage.operating_points[f"{gap} mm"]
+    held = DESIGN.operating_points[f"{gap} mm"]
     point, rest = operating_points.trim(stage, held, list(WIRES)), robustness.equilibrium_at(loops, f"{gap} mm")
     for s in platen.CURRENTS:
         assert rest.state[f"safe_output_last_{s.name}"] == pytest.approx(point[s.name], abs=1e-6)
@@ -93,7 +93,7 @@ def test_margins(open_loops: OpenLoops) -> None:
 def test_the_compensation_lies_in_the_loop(loops: robustness.Loops, open_loops: OpenLoops) -> None:
     """Cut at the position alone, with the law's gaps left in place, the loop would show another low-frequency gain."""
     rest, of = robustness.equilibrium_at(loops, "25 mm"), loops.closed
-    block = compose("cut", loop.cut(DESIGN.stage.controller.parts, "y"), inputs=[*rest.inputs, "y"], outputs=CUT)
+    block = compose("cut", loop.cut(DESIGN.controller.parts, "y"), inputs=[*rest.inputs, "y"], outputs=CUT)
     K = loop.linearise_block(block, rest.state, {**rest.inputs, "y": 0.025})
     partial = loop.open_loop(rest.plant, K, "y", of.sensors, of.actuators)
     z = np.exp(1j * np.array([20.0]) * platen.TIME.period_s)

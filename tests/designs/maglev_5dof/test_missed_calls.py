@@ -21,8 +21,8 @@ ON_COURSE = [STATES.index(maglev_stage.RATE[q]) for q in maglev_stage.RATE]
 
 def missed_bit() -> int:
     """Return the bit of the fault word that reports missed calls."""
-    assert DESIGN.stage is not None
-    faults = standard_tasks.rig(DESIGN.stage, DESIGN.scalar).controller.manifest["faults"]
+    assert DESIGN is not None
+    faults = standard_tasks.rig(DESIGN, DESIGN.scalar).controller.manifest["faults"]
     return next(int(f["bit"]) for f in faults if f.get("input") == "missed_calls")
 
 
@@ -34,8 +34,8 @@ def onset(phase: float) -> int:
 
 def tracking(plant: int, phase: float, missed: int) -> Trajectory:
     """Run the 4-DOF tracking, settled, and miss calls at a phase of its course."""
-    assert DESIGN.stage is not None
-    rig, first = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar)), onset(phase)
+    assert DESIGN is not None
+    rig, first = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar)), onset(phase)
     duration_s = (first + missed + 250) * PERIOD_S
     time = sample_times(duration_s, PERIOD_S)
     references = {f"{axis}_ref": sine(time) for axis, sine in motions.COURSES.items()}

@@ -15,9 +15,7 @@ pytestmark = pytest.mark.slow
 
 LOST, DURATION, AT = 100, 2.5, 0.01  # sample, s, m
 LOWER_STOP = 0.031  # m
-RIGS = {
-    d.name: campaign.with_stops(standard_tasks.rig(d.stage, d.scalar)) for d in (DESIGN, PRECISE) if d.stage is not None
-}
+RIGS = {d.name: campaign.with_stops(standard_tasks.rig(d, d.scalar)) for d in (DESIGN, PRECISE)}
 
 
 def frozen_after_loss(rig: Rig, lost: str, frozen: str, after: int) -> Trajectory:

@@ -46,7 +46,7 @@ def random_steps(stage: Plant) -> Steps:
 
 def _worst(controller: host.Controller, random_steps: Steps) -> agree.Agreement:
     expected = agree.reference(reference.with_fault_handling)(*random_steps)
-    block, stepped = DESIGN.stage.controller.block, agree.emitted_c(controller)(*random_steps)
+    block, stepped = DESIGN.controller.block, agree.emitted_c(controller)(*random_steps)
     return agree.compare("planted", ("reference", expected), ("c64", stepped), verification.EDGE_FLOOR, block)
 
 

@@ -3,9 +3,9 @@
 import pytest
 
 from designs.maglev_5dof_precise.design import DESIGN
-from synth.app.workspace import Design
+from synth.declare.stage import Stage
 
 
 @pytest.fixture(scope="session")
-def design() -> Design:
+def design() -> Stage:
     return DESIGN

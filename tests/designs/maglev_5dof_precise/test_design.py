@@ -9,7 +9,7 @@ from designs.maglev_5dof_precise.design import DESIGN
 from synth.analyse.loops import robustness
 from synth.analyse.loops.disk import DiskMargin
 from synth.app import tasks
-from synth.app.workspace import Design
+from synth.declare.stage import Stage
 from synth.simulate.experiment import Experiment
 from synth.testing import (
     test_defects_that_are_planted_are_found,
@@ -48,8 +48,8 @@ def test_the_gains_are_those_of_the_reference() -> None:
 
 
 def test_every_loop_keeps_its_delay_margin() -> None:
-    assert DESIGN.stage is not None
-    loops = robustness.open_loops(standard.loops(DESIGN.stage))
+    assert DESIGN is not None
+    loops = robustness.open_loops(standard.loops(DESIGN))
     assert min(loop.margin("delay_margin") for loop in loops) > LEAST_DELAY
 
 
@@ -57,9 +57,9 @@ def test_every_loop_keeps_its_delay_margin() -> None:
 def disk_margins() -> dict[str, list[dict[str, DiskMargin]]]:
     """Those of both designs at every operating point, by channels."""
 
-    def at_points(design: Design) -> list[dict[str, DiskMargin]]:
-        assert design.stage is not None
-        loops = standard.loops(design.stage)
+    def at_points(design: Stage) -> list[dict[str, DiskMargin]]:
+        assert design is not None
+        loops = standard.loops(design)
         return [robustness.disk_margins(loops, point) for point in loops.points]
 
     return {design.name: at_points(design) for design in (DESIGN, PAPER)}

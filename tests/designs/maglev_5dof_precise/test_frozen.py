@@ -21,9 +21,9 @@ PLANTS, TRAVEL = 17, 10e-3  # m
 
 def travel_and_time_to_notice(at_rest: probe.Probe) -> tuple[float, float]:
     """Return the largest travel in m and time to notice in s, frozen for good, on all plants."""
-    assert DESIGN.stage is not None
+    assert DESIGN is not None
     controller = fault_handling.controller(control.NAME, PLANT, partial(control.laws, PLANT), at_rest)
-    stage = replace(DESIGN.stage, controller=controller)
+    stage = replace(DESIGN, controller=controller)
     rig = campaign.with_stops(standard_tasks.rig(stage, stage.scalar))
     still = campaign.motion_and_standstill(rig)[0]
     permanent = [f for f in injections.derive(stage) if (f.kind, f.duration) == ("frozen", "permanent")]

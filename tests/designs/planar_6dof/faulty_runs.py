@@ -7,9 +7,9 @@ import numpy as np
 
 from designs.planar_6dof import loop as loops
 from synth.app import standard_tasks
-from synth.app.workspace import Design
 from synth.base.progress import silent
 from synth.block import Block
+from synth.declare.stage import Stage
 from synth.simulate.faults import campaign, injections
 from synth.simulate.faults.campaign import FaultRun
 from synth.simulate.rig import Rig
@@ -80,18 +80,17 @@ def after_sticking(rig: Rig, channel: str) -> Array:
 
 
 def campaign_runs(
-    design: Design, block: Block, plant: int, condition: int, fault: tuple[str, str, str]
+    design: Stage, block: Block, plant: int, condition: int, fault: tuple[str, str, str]
 ) -> list[FaultRun]:
     """Return the runs of a fault, with target, kind and duration, in a condition of the campaign."""
-    assert design.stage is not None
-    declared = standard_tasks.rig(design.stage, design.scalar)
+    declared = standard_tasks.rig(design, design.scalar)
     stage = campaign.with_stops(replace(declared, controller=loops.of(block).controller))
     injected = [i for i in injections.derive(stage.stage) if (i.target, i.kind, i.duration) == fault]
     _, runs = campaign.run(stage, plant, campaign.motion_and_standstill(stage)[condition], silent, injected)
     return list(runs)
 
 
-def campaign_excursions(design: Design, block: Block, plant: int) -> Array:
+def campaign_excursions(design: Stage, block: Block, plant: int) -> Array:
     """Return the excursions (2, 2) of x and y, m, after four bad samples of V_ax in the campaign's motion."""
     runs = campaign_runs(design, block, plant, MOVING, SHORT_LOSS)
     return np.array([[r.excursion[axis] for axis in "xy"] for r in runs])

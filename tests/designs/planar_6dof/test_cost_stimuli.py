@@ -21,7 +21,7 @@ from synth.app import standard_tasks
 from synth.blocks.guard import safety
 from synth.emit.write import EmittedCode
 from synth.execute import host
-from synth.verify import baselines, meter, on_target, steps, stimuli
+from synth.verify import baselines, meter, on_target, standard, steps, stimuli
 from synth.verify.steps import Steps
 from tests import ceilings, tools
 
@@ -84,7 +84,7 @@ BLOCKS = {d.DESIGN.name: d.subject().block for d in (leadlag, lqg_design)}
 
 @cache
 def recorded_inputs(name: str) -> dict[str, Any]:
-    return dict(DESIGNS[name].cost_stimuli.replay(subject(name).controller))
+    return dict(standard_tasks.replay_inputs(DESIGNS[name], subject(name).controller))
 
 
 @pytest.fixture(params=NAMES)
@@ -234,12 +234,9 @@ def test_recorded_steps_and_failures_keep_below_their_ceilings(
 @pytest.mark.parametrize("name", NAMES)
 def test_a_design_measures_its_own_steps_beside_the_standard_ones(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     measured_steps: list[Any] = []
-    stage, controller = DESIGNS[name].stage, subject(name).controller
+    controller = subject(name).controller
     monkeypatch.setattr(stimuli, "sequences", lambda *arguments: measured_steps.append(arguments) or [])
-    monkeypatch.setattr(cost_stimuli, "stimuli", lambda controller: [])
-    assert stage is not None
-    standard_tasks.cost_stimuli(replace(stage, experiments=()), cost_stimuli.stimuli, cost_stimuli.FLOOR).sequences(
-        controller, lambda _: None
-    )
-    assert measured_steps[0][0].controller is controller and measured_steps[0][3] == []
-    assert DESIGNS[name].cost_stimuli.floor == cost_stimuli.FLOOR and DESIGNS[name].cost_stimuli.block() is BLOCKS[name]
+    standard_tasks.cost_sequences(replace(DESIGNS[name], experiments=()), controller, lambda _: None)
+    further = {each.name for each in cost_stimuli.stimuli(controller)}
+    assert measured_steps[0][0].controller is controller and {each.name for each in measured_steps[0][3]} == further
+    assert standard.stimuli_of(DESIGNS[name]).floor == cost_stimuli.FLOOR

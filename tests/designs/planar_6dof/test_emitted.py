@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from designs.planar_6dof_leadlag import reference as leadlag_reference
 from designs.planar_6dof_lqg import design as lqg_design
 from designs.planar_6dof_lqg import reference as lqg_reference
 from models import planar_stage
+from synth.app import standard_tasks
 from synth.block import Block
 from synth.blocks.guard import safety
 from synth.emit.write import EmittedCode
@@ -27,8 +28,8 @@ from tests import tools
 
 ROOT = Path(__file__).parents[3]
 EMITTED: dict[str, Callable[[type[np.floating]], dict[str, EmittedCode]]] = {
-    leadlag.NAME: leadlag_design.DESIGN.emit,
-    lqg.NAME: lqg_design.DESIGN.emit,
+    leadlag.NAME: partial(standard_tasks.emit, leadlag_design.DESIGN),
+    lqg.NAME: partial(standard_tasks.emit, lqg_design.DESIGN),
 }
 BLOCKS: dict[str, Callable[[Any], Block]] = {leadlag.NAME: leadlag.controller, lqg.NAME: lqg.controller}
 LAST_BITS = 8  # units in the last place of double precision by which libm's functions may differ

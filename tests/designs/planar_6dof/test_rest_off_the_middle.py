@@ -8,15 +8,15 @@ import pytest
 from designs.planar_6dof.faults import AFTER_JUMP
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
-from synth.app.workspace import Design
 from synth.block import Block
+from synth.declare.stage import Stage
 from tests.designs.planar_6dof.faulty_runs import OFF_THE_MIDDLE, campaign_runs
 
 FLIPPED = "V_ax", "bit flipped", "permanent"
 PLANTS = 5, 6  # those with the largest torques, one of each sign
 
 
-def largest_yaw_rate(design: Design, block: Block, plant: int) -> float:
+def largest_yaw_rate(design: Stage, block: Block, plant: int) -> float:
     """Return the largest yaw rate from the latch on, or at a stop before it, rad/s."""
     (run,) = campaign_runs(design, block, plant, OFF_THE_MIDDLE, FLIPPED)
     assert run.named and run.latch_s < 0.05

@@ -10,6 +10,7 @@ from designs.planar_6dof_leadlag import control, page
 from designs.planar_6dof_leadlag.design import DESIGN
 from models import planar_stage
 from synth.check import Check
+from synth.report import template
 from synth.verify.evidence import Evidence
 from tests.designs.planar_6dof import short_runs
 
@@ -21,7 +22,8 @@ def test_it_shows_all_that_is_handed_in(monkeypatch: pytest.MonkeyPatch) -> None
     )
     runs = short_runs.runs(loops.of(control.controller(planar_stage.plant())))
     bad = replace(runs[0], name="bad", title="Planted", checks=(Check("rise", 0.03, 0.025, "s"),))
-    html = page.report(DESIGN.stage, {}, Evidence(control.NAME, (), ()), [*runs, bad], short_runs.ROWS, None)
+    results = template.Results({}, Evidence(control.NAME, (), ()), [*runs, bad], short_runs.ROWS, None)
+    html = template.report(DESIGN, results)
     assert len(html.encode()) < short_runs.MOST
     for title in ("x by 20 µm", "x by 20 µm, finite matrix", "Circle (Fig. 9)", "Planted"):
         assert f"{title}</h3>" in html

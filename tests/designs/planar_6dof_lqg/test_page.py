@@ -11,6 +11,7 @@ from designs.planar_6dof_lqg import page
 from designs.planar_6dof_lqg.design import DESIGN
 from models import planar_stage
 from synth.emit.write import EmittedCode
+from synth.report import template
 from synth.verify.evidence import Evidence
 from tests.designs.planar_6dof import short_runs
 
@@ -25,9 +26,8 @@ def test_it_shows_the_whole_loop_and_what_is_refused(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(page.loops, "horizontals", lambda _: {"as shipped": shared.horizontal(parts)})
     step = experiments.step_experiment(loop, experiments.step(loop, "x", 50e-6, 1.5), "step_x", "x by 50 um", None)
     gains = (ROOT / "generated_c" / lqg.NAME / "gains.json").read_text()
-    html = page.report(
-        DESIGN.stage, {lqg.NAME: EmittedCode({"gains.json": gains}, {})}, Evidence(lqg.NAME, (), ()), [step], [], None
-    )
+    files = {lqg.NAME: EmittedCode({"gains.json": gains}, {})}
+    html = template.report(DESIGN, template.Results(files, Evidence(lqg.NAME, (), ()), [step], [], None))
     assert len(html.encode()) < short_runs.MOST
     assert html.count("open loop and sensitivity") == 2 and html.count("<td>as shipped</td>") == 2 + 3
     for text in ("Disk margins of all channels", "The library refuses it", "has the poles −1", "weights (47)"):

@@ -11,8 +11,8 @@ from designs.maglev_5dof.design import DESIGN as MAGLEV
 from designs.maglev_5dof_precise.design import DESIGN as PRECISE
 from designs.planar_6dof_leadlag.design import DESIGN as LEADLAG
 from designs.planar_6dof_lqg.design import DESIGN as LQG
-from synth.app.workspace import Design
 from synth.block import Block
+from synth.declare.stage import Stage
 from synth.emit import pipeline
 from synth.emit.c import equations
 from synth.emit.passes import owners
@@ -115,9 +115,8 @@ def violations(block: Block, monkeypatch: pytest.MonkeyPatch) -> dict[tuple[str,
     return wrong
 
 
-def block_of(design: Design) -> Block:
-    assert design.stage is not None
-    return design.stage.controller.block.rounded(np.float32)
+def block_of(design: Stage) -> Block:
+    return design.controller.block.rounded(np.float32)
 
 
 @pytest.mark.parametrize("name", DESIGNS)

@@ -46,15 +46,15 @@ def test_a_stage_adds_its_words_by_key_and_an_unknown_key_is_refused() -> None:
 
 
 def test_the_maglev_stage_says_where_currents_and_angles_end() -> None:
-    declared = DESIGN.stage
+    declared = DESIGN
     assert declared is not None and isinstance(declared.interface, Interface)
     said = " ".join(declared.reactions.values())
     assert "the lost position is 0.2 m, which the phase step refuses" in said and "motors 2 and 4 hand i_d over" in said
 
 
 def test_signs_of_the_actuators_come_from_the_plant() -> None:
-    assert DESIGN.stage is not None
-    signs = actuation.signs(PLANT, DESIGN.stage.velocities, {"y": 0.025})
+    assert DESIGN is not None
+    signs = actuation.signs(PLANT, DESIGN.velocities, {"y": 0.025})
     assert signs["i_d1"] == "+y -phi" and signs["i_d2"] == "+y +theta" and (signs["u_x"], signs["u_z"]) == ("-x", "-z")
     turned = {name: "".join({"+": "-", "-": "+"}.get(c, c) for c in sign) for name, sign in signs.items()}
     assert np.all([signs[n] != turned[n] for n in signs])

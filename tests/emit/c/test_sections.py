@@ -60,12 +60,12 @@ def test_each_signal_of_the_maglev_controller_stands_in_its_section() -> None:
     folder = GENERATED / DESIGN.name
     text = (folder / f"{DESIGN.name}.c").read_text()
     trace = json.loads((folder / "manifest.json").read_text())["trace"]
-    assert DESIGN.stage is not None
-    assert not wrong_places(DESIGN.stage.controller.block, text, trace)
+    assert DESIGN is not None
+    assert not wrong_places(DESIGN.controller.block, text, trace)
     guard = next(tag for tag in trace if tag.startswith("guard:"))
     kinematics = next(tag for tag in trace if tag.startswith("kinematics:"))
     planted = {**trace, guard: [*trace[guard], *trace[kinematics]], kinematics: []}
-    assert {"theta", "phi"} <= set(wrong_places(DESIGN.stage.controller.block, text, planted))
+    assert {"theta", "phi"} <= set(wrong_places(DESIGN.controller.block, text, planted))
 
 
 def test_what_becomes_a_state_needs_no_heading_and_is_traced_to_its_block() -> None:

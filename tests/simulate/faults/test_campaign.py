@@ -33,7 +33,7 @@ def with_campaign(rig: Rig, faults: FaultCampaign = SHORT_RUNS, **fields: Any) -
 
 @pytest.fixture(scope="module")
 def bare() -> Rig:
-    stage = levitator.design().DESIGN.stage
+    stage = levitator.design().DESIGN
     return standard_tasks.rig(stage, stage.scalar)
 
 
@@ -44,7 +44,7 @@ def rig(bare: Rig) -> Rig:
 
 @pytest.fixture(scope="module")
 def without_latch(bare: Rig) -> Rig:
-    return with_campaign(standard_tasks.rig_without_latch(bare.stage, bare.stage.scalar))
+    return with_campaign(standard_tasks.rig_without_latch(bare, bare.scalar))
 
 
 def every_run(rig: Rig) -> Runs:
@@ -299,7 +299,7 @@ def test_the_two_faults_of_a_pair_act_together(rig: Rig) -> None:
 
 def test_a_flipped_bit_moves_the_reading_by_its_weight_and_a_stuck_bit_repeats_codes() -> None:
     """The word of z counts 0.1 um; a twentieth of 1.2 mm is 600 counts, in which the highest bit weighs 512."""
-    stage = levitator.design().DESIGN.stage
+    stage = levitator.design().DESIGN
     rig = with_campaign(standard_tasks.rig(stage, stage.scalar))
     healthy = rig.run(0.1, {}, {"z_ref": 0.0})
     for kind in ("bit flipped", "bit stuck"):

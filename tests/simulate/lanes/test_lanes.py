@@ -22,7 +22,7 @@ from tests import levitator
 
 pytestmark = pytest.mark.slow
 
-STAGE = replace(design.DESIGN.stage, drive=None)
+STAGE = replace(design.DESIGN, drive=None)
 ERROR = 1e-8  # of a state's range: what a study may differ by from a tight integration
 
 
@@ -105,7 +105,7 @@ def test_the_controller_in_lanes_has_the_bits_of_the_c(rig: str, request: pytest
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 def test_a_drive_runs_behind_the_controller(scalar: type) -> None:
-    rig = standard_tasks.rig(design.DESIGN.stage, scalar)
+    rig = standard_tasks.rig(design.DESIGN, scalar)
     plants, scenario = wrong_plants(rig, 3), replace(course(rig, 0.5), encoders={}, substeps=1)
     lost = Override(np.arange(500) > 400, np.full(500, np.nan))
     for case in (scenario, replace(scenario, overrides=dict.fromkeys(("x", "y1", "y2", "y3"), lost))):
@@ -179,7 +179,7 @@ def test_the_error_falls_with_the_order(double: Rig, order: int) -> None:
 
 
 def test_stops_locks_delays_forcing_noise_and_sensor_errors() -> None:
-    stage = levitator.design().DESIGN.stage
+    stage = levitator.design().DESIGN
     rig = standard_tasks.rig(stage, np.float64)
     loop = lanes.compile_loop(stage.plant, rig.controller)
     n, rng = 600, np.random.default_rng(4)
@@ -211,7 +211,7 @@ def test_stops_locks_delays_forcing_noise_and_sensor_errors() -> None:
 
 
 def test_sensors_in_lanes_count_as_encoders_do() -> None:
-    stage = levitator.design().DESIGN.stage
+    stage = levitator.design().DESIGN
     rig = standard_tasks.rig(stage, np.float64)
     noise = {"z": np.random.default_rng(6).normal(0, 1e-6, 400)}
     encoder = Encoder(1e-6, 3e-6, 0.01)

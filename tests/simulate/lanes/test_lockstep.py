@@ -23,7 +23,7 @@ Function = Callable[[Simulate], float]
 
 @pytest.fixture(scope="module")
 def rig() -> Rig:
-    return standard_tasks.rig(PID.DESIGN.stage, np.float64)
+    return standard_tasks.rig(PID.DESIGN, np.float64)
 
 
 def peak(rig: Rig, mass: float, duration_s: float = 0.05, times: int = 1) -> Function:
@@ -115,7 +115,7 @@ def test_the_next_functions_record_what_these_read(rig: Rig, monkeypatch: pytest
 
 
 def test_a_plant_of_other_equations_runs_alone(rig: Rig) -> None:
-    other = levitator.design().DESIGN.stage.plant
+    other = levitator.design().DESIGN.plant
     rebuilt = replace(rig, plant=replace(other, f=ca.Function("f", other.f.sx_in(), other.f.call(other.f.sx_in()))))
     (results,) = lockstep.run([peak(rebuilt, 1.2)], [rig.plant], STEPS)
     assert results.value == peak(rebuilt, 1.2)(rig.simulate)

@@ -31,7 +31,7 @@ SHORT, COARSE = 0.9, 3  # s of tracking, cells of the field
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, Row]:
-    return {r.id: r for r in paper.rows(DESIGN.stage)}
+    return {r.id: r for r in paper.rows(DESIGN)}
 
 
 # Worked out apart from this code, to the digits given: (row, figure, value, one unit of the last digit).
@@ -99,7 +99,7 @@ def test_verdicts_and_completeness(rows: dict[str, Row]) -> None:
 
 
 def test_rows_come_one_by_one() -> None:
-    assert next(iter(paper.rows(DESIGN.stage))).id == "F-1"
+    assert next(iter(paper.rows(DESIGN))).id == "F-1"
 
 
 def test_holding_currents_are_those_of_trim(rows: dict[str, Row]) -> None:
@@ -151,7 +151,7 @@ def test_the_nonlinear_step_is_that_of_a_loop_written_out_by_hand(rows: dict[str
 
 
 def setup_with(**changed: float) -> AuditSetup:
-    return AuditSetup(DESIGN.stage, PLANT.with_parameters(**changed), SHORT, COARSE)
+    return AuditSetup(DESIGN, PLANT.with_parameters(**changed), SHORT, COARSE)
 
 
 def row(name: str, on: AuditSetup, printed: Published | None = None) -> Row:
