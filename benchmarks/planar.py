@@ -23,9 +23,9 @@ from designs.planar_6dof_lqg import core
 from designs.planar_6dof_lqg import experiments as of_lqg
 from models import planar_stage
 from synth.block import Block, unranged
+from synth.declare.experiments import Run
 from synth.emit import write
 from synth.execute import host
-from synth.simulate.experiments import Run
 from synth.verify import baselines, meter, steps, stimuli
 from synth.verify.steps import Steps
 

@@ -150,7 +150,7 @@ def _figures(loop: lanes.LaneLoop, motion: Scenario, steps: Integration) -> Call
 
     The loop records what these figures read, as in a study, where the first batch shows it.
     """
-    courses = {axis: np.asarray(motion.references[f"{axis}_ref"]) for axis in motions.COURSES}
+    courses = {axis: np.asarray(motion.references[f"{axis}_ref"]) for axis in platen.COURSES}
     recording, scenario = Recording(), replace(motion, substeps=steps.substeps)
 
     def run(plants: list[Plant]) -> list[tuple[Mapping[str, float], tuple[Check, ...]]]:

@@ -8,6 +8,8 @@ imports lead around a cycle of folders.
 """
 
 import ast
+import subprocess
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -233,3 +235,20 @@ def test_shared_packages_may_be_imported_and_files_of_a_folder_each_other() -> N
 def test_a_planted_import_among_designs_is_found(path: str, text: str, message: str | None) -> None:
     messages = folder_violations({Path(name): each for name, each in (DESIGNS | {path: text}).items()})
     assert (message is None and not messages) or (message is not None and any(message in each for each in messages))
+
+
+RUNS = ("emit", "execute", "simulate", "verify", "report", "app")
+MOST_MODULES = 175  # of ours that an import of a design loads
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(path.parent.name for path in (ROOT / "designs").glob("*/design.py")))
+def test_a_declaration_loads_nothing_that_emits_runs_or_reports(name: str) -> None:
+    script = (
+        f"import sys, designs.{name}.design\n"
+        "print(*(m for m in sys.modules if m.split('.')[0] in ('synth', 'models', 'designs')))"
+    )
+    loaded = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
+    modules = loaded.stdout.split()
+    assert not [m for m in modules if m.startswith(tuple(f"synth.{stratum}." for stratum in RUNS))]
+    assert len(modules) <= MOST_MODULES, len(modules)

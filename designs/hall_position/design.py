@@ -1,18 +1,24 @@
 """Absolute position from Hall voltages, after Kawato and Kim: from the magnets' geometry to verified C."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from designs.hall_position import config, random_steps, reference_guard
+from designs.hall_position import config
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.protected import config as protected
-from designs.hall_position.protected import stimuli as protected_stimuli
 from models import papers
 from synth import stage
 from synth.stage import Companion
+
+
+def reference(states: Any, inputs: Any) -> Any:
+    """Compute steps of the independent witness."""
+    from designs.hall_position import random_steps, reference_guard
+
+    return reference_guard.step(random_steps.setup(), states, inputs)
 
 
 def verify(of: stage.Stage, progress: Callable[[str], None], whole: bool) -> Any:
@@ -29,9 +35,15 @@ def stimuli() -> Any:
     return stimuli.of_stage()
 
 
+def protected_sequences(controller: Any) -> Sequence[Any]:
+    """Return the steps that cover the decisions of the estimators of three and of four sensors."""
+    from designs.hall_position.protected import stimuli
+
+    return stimuli.sequences(controller)
+
+
 def audit(of: stage.Stage) -> Iterator[Any]:
     """Yield the recomputed figures of the paper."""
-
     from designs.hall_position.paper import rows
 
     return rows.rows()
@@ -52,16 +64,17 @@ DESIGN = stage.design(
     CONTROLLER.interface.plant,
     warning=config.UNPROTECTED,
     header_notes=[config.preconditions(), EQUATIONS],
-    reference=partial(reference_guard.step, random_steps.setup()),
+    reference=reference,
     surrogate_error=estimator.SURROGATE_ERROR,
     gains=config.gains,
     companions=[
         Companion(
-            protected.block(name=name),
-            partial(protected.vectors, name=name),
-            partial(protected.gains, name=name),
-            [protected.preconditions(name)],
-            protected_stimuli.sequences,
+            name,
+            partial(protected.block, name=name),
+            inputs=partial(protected.vectors, name=name),
+            gains=partial(protected.gains, name=name),
+            header_notes=[protected.preconditions(name)],
+            sequences=protected_sequences,
         )
         for name in protected.PLACES
     ],

@@ -13,9 +13,8 @@ from models import levitator
 from synth import stage
 from synth.analyse import linearisation, operating_points
 from synth.blocks.laws import axis
+from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepResponse, Track
 from synth.declare.tuning import FreeParameter, Tuning
-from synth.simulate.conditions import Conditions, Sine
-from synth.simulate.experiments import Hold, LiftOff, StepResponse, Track
 from synth.stage import Actuator, FaultCampaign, FaultLimit, Sensor, SetPoint, StudyLimits
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete

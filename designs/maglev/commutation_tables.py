@@ -26,7 +26,7 @@ def values(
 ) -> dict[str, Value]:
     """Return the placeholders of report.md; without an emulator a text takes the place of the second table."""
     by_name, (companion,) = {run.name: run for run in runs}, stage.companions
-    code = files[companion.block.name]
+    code = files[companion.name]
     cost = instructions(companion, code, by_name["tracking"]) if emulated else page.Text(ABSENT)
     (polynomial,), roundoff = code.manifest["surrogates"], float(np.finfo(stage.scalar).eps) / 2
     bound = phasor.quarter_angle_error(roundoff, polynomial["max_relative_error"])

@@ -10,21 +10,17 @@ import numpy as np
 from designs.maglev import commutation, motions, platen
 from designs.maglev.platen import RESOLUTION
 from synth.check import Check
+from synth.declare.experiments import Run
 from synth.declare.stage import Stage
 from synth.execute import host
 from synth.simulate import metrics
 from synth.simulate.experiment import Experiment
-from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.statespace import Array
 
 Make = Callable[..., Experiment]
-
-# What runs on the machines of a study: not what sets a guide spring off by its tolerance, which a machine already has,
-# nor what is shown for comparison.
-STUDIED = ("y_*", "[xz]_30", "theta_5", "theta_10", "phi_springs_1", "tracking", "lift_off", "set_down_*")
 
 STABLE = "the axis stays stable over the spring's tolerance"
 TILTED: Mapping[str, Any] = {"axis": "phi", "target": 0.5e-3, "about": STABLE, "settles": True}
@@ -173,7 +169,7 @@ def _set_down(rig: Rig, gap: float) -> Experiment:
 
 
 def _zero_current(rig: Rig) -> Experiment:
-    trajectory = rig.without_drive.run(0.5, actuators={}, forcing=dict.fromkeys(motions.WIRES, 0.0))
+    trajectory = rig.without_drive.run(0.5, actuators={}, forcing=dict.fromkeys(platen.WIRES, 0.0))
     hit = metrics.first_exit(trajectory.time, trajectory["y"], platen.GAP[0] + 1e-9, platen.GAP[1])
     figures = {"time to the upper stop, s": hit, "speed there, m/s": trajectory.impacts["y"]}
     return Experiment("", "", "the platen hits the upper stop", trajectory, ("y",), {}, figures)

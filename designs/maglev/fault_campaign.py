@@ -2,7 +2,7 @@
 
 from math import pi
 
-from designs.maglev import motions, platen
+from designs.maglev import platen
 from synth.declare.fault_campaign import FaultCampaign, FaultLimit
 
 # The platen is level in the tracking where it is nearest to the magnets, and symmetry hides what a tilt shows.
@@ -39,7 +39,7 @@ LIMITS = (  # one encoder that fails does not harm the machine; docs/decisions/m
 )
 INERTIAS = {"y": "M_y", "x": "M_x", "z": "M_z", "phi": "I_x", "theta": "I_z"}
 FAULTS = FaultCampaign(
-    {f"{n}_ref": course for n, course in motions.COURSES.items()},
+    {f"{n}_ref": course for n, course in platen.COURSES.items()},
     {"tilted at 18.5 mm": TILTED_POINT},
     2 * pi / platen.OMEGA0,
     watch_s=2.0,

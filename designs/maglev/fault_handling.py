@@ -36,10 +36,10 @@ from synth.blocks.estimate import predictor
 from synth.blocks.faults import innovation_monitor, landing, probe, redundancy
 from synth.blocks.faults.redundancy_decision import jump_gate
 from synth.blocks.guard import missed_calls
-from synth.emit.c import digits
 from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
+from synth.synthesise import digits
 
 OFFSET = 7e-6  # m: largest constant error of a gap encoder; with it the threshold is 48 um
 BANDWIDTH = {"y": 120.0, "phi": 120.0, "theta": 120.0, "x": 60.0, "z": 60.0}  # rad/s

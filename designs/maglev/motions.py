@@ -12,18 +12,16 @@ values, such as the overshoot of `y_22_29` from 11.55 to 11.70 %.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import pi
 from typing import Any
 
 import numpy as np
 
 from designs.maglev import platen
-from designs.maglev.platen import OMEGA0, RESOLUTION
+from designs.maglev.platen import RESOLUTION
 from synth.block import Block
 from synth.declare.stage import Stage
 from synth.execute import build, host
 from synth.simulate import metrics
-from synth.simulate.conditions import Sine
 from synth.simulate.rig import Rig, Wires
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.statespace import Array, readonly
@@ -33,14 +31,7 @@ BAND = 1e-4  # m or rad, the band of t_s
 UNITS = {"y": "m", "x": "m", "z": "m", "phi": "rad", "theta": "rad"}
 COUNTS = {axis: RESOLUTION if unit == "m" else 20e-6 for axis, unit in UNITS.items()}  # m or rad, F section IV-A
 TRACK_FROM, TRACK_TO = 10.0, 60.0  # s, the window of the mean errors
-COURSES = {  # of the 4-DOF tracking, F section IV-B
-    "y": Sine(0.005, OMEGA0, -pi / 2, 0.025),
-    "x": Sine(0.03, OMEGA0, -pi / 2),
-    "z": Sine(0.03, OMEGA0),
-    "theta": Sine(0.01, OMEGA0),
-}
-WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in platen.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
-NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in platen.MOTORS} for j in platen.MOTORS}}
+NO_ROTATION: Wires = {**platen.WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in platen.MOTORS} for j in platen.MOTORS}}
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +72,7 @@ def lift_off(rig: Rig) -> tuple[Trajectory, Array]:
 @lru_cache
 def _courses(duration_s: float, period_s: float) -> dict[str, Array]:
     """Return the set-points of the 4-DOF tracking: a study runs it on many machines."""
-    return {axis: readonly(course(sample_times(duration_s, period_s))) for axis, course in COURSES.items()}
+    return {axis: readonly(course(sample_times(duration_s, period_s))) for axis, course in platen.COURSES.items()}
 
 
 def tracking(rig: Rig, four: bool, duration_s: float = TRACK_TO) -> tuple[Trajectory, dict[str, Array]]:

@@ -17,6 +17,7 @@ import numpy as np
 from models import maglev_stage, pmlsm
 from synth import stage
 from synth.block import Block, Exprs, Step, build
+from synth.declare.experiments import Sine
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.stage import Actuator, Sensor, SetPoint
@@ -43,6 +44,13 @@ SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force l
 COMPENSATED = {"k_s_phi": 0.75, "k_s_theta": 0.95}
 BOX = {s.name: (s.low, s.high) for s in maglev_stage.STATES if s.name in maglev_stage.RATE}  # m, rad
 GAP, MOTORS = BOX["y"], (1, 2, 3, 4)
+COURSES = {  # of the 4-DOF tracking, F section IV-B
+    "y": Sine(0.005, OMEGA0, -pi / 2, 0.025),
+    "x": Sine(0.03, OMEGA0, -pi / 2),
+    "z": Sine(0.03, OMEGA0),
+    "theta": Sine(0.01, OMEGA0),
+}
+WIRES = {f"i_d{j}": f"i_d{j}" for j in MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}  # plant inputs: currents
 WIDE = 0.1  # m: twice the stroke, to accept overshoot and the compliance of a stop
 LOST = 2 * WIDE  # m, outside the range of x and z
 ENCODER_OFFSET = 7e-6  # m: largest error of the zero of an encoder

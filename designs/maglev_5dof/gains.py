@@ -7,8 +7,8 @@ import numpy as np
 
 from designs.maglev import platen
 from designs.maglev_5dof import control
-from synth.emit.c import digits
 from synth.statespace import readonly
+from synth.synthesise import digits
 from synth.synthesise.feedback import lqr
 from synth.synthesise.regulation import internal_model
 

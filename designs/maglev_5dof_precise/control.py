@@ -43,10 +43,10 @@ from synth.blocks.faults import probe
 from synth.blocks.guard import range_numbers
 from synth.blocks.laws import predictive_servo
 from synth.blocks.laws.axis_regulator import internal_weights
-from synth.emit.c import digits
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 from synth.statespace import StateSpace
+from synth.synthesise import digits
 from synth.synthesise.feedback import lqr
 
 NAME = "maglev_5dof_precise"

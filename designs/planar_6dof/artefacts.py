@@ -1,50 +1,13 @@
-"""Files committed beside the C of a planar controller: gains and test vectors.
-
-The test vectors are a second of a closed loop with noise. The platen starts at rest near the corner of a pitch and
-moves across the corner and back in x and y, and across a border of the sections, while it yaws, lifts and tilts. A Hall
-channel is out of range for three samples and a set-point for ten.
-"""
+"""The gains.json of a planar controller: compensators and filters."""
 
 from collections.abc import Mapping
-from math import pi
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from designs.planar_6dof import filtering, vertical
-from designs.planar_6dof.loop import Array, simulate
 from synth.blocks.laws import lead_lag as lead_lag_block
-from synth.emit.c import digits
-from synth.simulate.rig import Rig
-from synth.simulate.scenario import sample_times
-from synth.simulate.sensors import Override
+from synth.synthesise import digits
 from synth.synthesise.classical import lead_lag
 from synth.timing import Discrete
-
-STEPS = 1000
-START = {"x": 0.024, "y": -0.0245}  # m: a pitch ends at 25.4 mm, other sensors are read from 31.75 mm on
-STROKE = {"x": 0.0095, "y": -0.009, "phi": 2e-3, "z": 5e-5, "theta": 2e-4, "psi": -2e-4}  # m, rad
-CHANNEL, BAD, VOLTS = "V_ay", slice(700, 703), 9.0  # the converter's range is 10 V, the sensor's 5 V
-SET_POINT, BAD_REFERENCE, TOO_FAR = "x_ref", slice(800, 810), 0.2  # m
-
-
-def record_inputs(rig: Rig) -> Mapping[str, NDArray[Any]]:
-    """Return the inputs (STEPS,) of the test vectors' closed loop."""
-    T = rig.period_s
-    references = reference_paths(sample_times(STEPS * T, T))
-    references["x"][BAD_REFERENCE] = TOO_FAR
-    mask = np.zeros(STEPS, dtype=bool)
-    mask[BAD] = True
-    bad = {CHANNEL: Override(mask, np.full(STEPS, VOLTS))}
-    return simulate(rig, STEPS * T, references, START, overrides=bad).measured
-
-
-def reference_paths(time: Array) -> dict[str, Array]:
-    """Return set-points (N,) by axis at times (N,) in s: forward and back once, x and y at different times."""
-    part = time / time[-1]
-    there = {axis: (1 - np.cos(2 * pi * part)) / 2 for axis in STROKE} | {"y": np.sin(pi * part) ** 4}
-    return {axis: START.get(axis, 0.0) + way * there[axis] for axis, way in STROKE.items()}
 
 
 def compensators(parts: Mapping[str, lead_lag.LeadLag]) -> dict[str, Any]:

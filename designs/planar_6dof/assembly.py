@@ -5,16 +5,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from designs.planar_6dof import faults, interface, loop, loops
+from designs.planar_6dof import faults, interface
 from designs.planar_6dof.interface import Subject
 from designs.planar_6dof.sensing import sections as sensing
 from models import halbach, papers, planar_stage
 from synth import stage
 from synth.blocks.faults import repeated_codes
+from synth.declare.experiments import Run
 from synth.declare.fault_campaign import StudyLimits
-from synth.report.audit import Row
-from synth.simulate.experiments import Run
-from synth.simulate.rig import Rig
 from synth.timing import Discrete
 
 START = (
@@ -70,7 +68,14 @@ def stimuli(subject: Callable[[], Subject]) -> Any:
     return verification.stimuli(subject())
 
 
-def audit(rows: Callable[[Rig], Iterator[Row]], of: stage.Stage) -> Iterator[Row]:
+def at_places(of: stage.Stage) -> Any:
+    """Return the loops of the controller at the places of a pitch."""
+    from designs.planar_6dof import loops
+
+    return loops.at_places(of)
+
+
+def audit(rows: Callable[[Any], Iterator[Any]], of: stage.Stage) -> Iterator[Any]:
     """Yield the rows of the audit, computed with the shipped loop."""
     from synth.app import standard_tasks
 
@@ -82,8 +87,8 @@ def design(
     time: Discrete,
     subject: Callable[[], Subject],
     gains: Callable[[], Mapping[str, Any]],
-    experiments: Sequence[Run],
-    rows: Callable[[Rig], Iterator[Row]],
+    runs: Callable[[], Sequence[Run]],
+    rows: Callable[[Any], Iterator[Any]],
     contents: Callable[[stage.Stage, Any], Any],
     studied: Sequence[str] = (),
     **fields: Any,
@@ -98,8 +103,8 @@ def design(
         planar_stage.plant(halbach.HARMONICS),
         reference=lambda states, inputs: subject().reference(states, inputs),
         surrogate_error=interface.SURROGATE_ERROR,
-        substeps=loop.SUBSTEPS,
-        experiments=experiments,
+        substeps=interface.SUBSTEPS,
+        runs=runs,
         reactions=REACTIONS,
         used_instead=USED_INSTEAD,
         header_notes=[f"(n) is equation (n) of {papers.YU}.", START, BEGINS, CALIBRATED, CONTRADICTION, REPEATED],
@@ -108,7 +113,7 @@ def design(
         limited=(*interface.PITCHES, "sensing_phi_raw"),
         gains=lambda _: gains(),
         faults=faults.CAMPAIGN,
-        loops=loops.at_places,
+        loops=at_places,
         study=StudyLimits(0.95, experiments=(*STUDIED, *studied)),
         stimuli=partial(stimuli, subject),
         audit=partial(audit, rows),

@@ -18,9 +18,9 @@ from designs.planar_6dof.interface import NOISE_PRINTED
 from designs.planar_6dof.loop import Array, measured_positions, position_noise, simulate, with_noise
 from models import planar_stage
 from synth.check import Check
+from synth.declare.experiments import Run
 from synth.simulate import metrics
 from synth.simulate.experiment import Experiment
-from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 

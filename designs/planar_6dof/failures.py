@@ -18,8 +18,8 @@ from designs.planar_6dof.sensing import calibration, contradictions
 from designs.planar_6dof.sensing import sections as sensing
 from models import planar_stage
 from synth.check import Check
+from synth.declare.experiments import Run
 from synth.simulate.experiment import Experiment
-from synth.simulate.experiments import Run
 from synth.simulate.faults import failure, failure_experiments
 from synth.simulate.faults.failure import Failure
 from synth.simulate.faults.failure_experiments import NAN, Texts

@@ -6,7 +6,7 @@ latch it coasts on its air bearings, so the speed from the latch on is what the 
 
 from math import pi
 
-from synth.simulate.conditions import Sine
+from synth.declare.experiments import Sine
 from synth.stage import FaultCampaign, FaultLimit
 
 SPEED = 0.14  # m/s

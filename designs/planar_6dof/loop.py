@@ -29,8 +29,6 @@ from synth.simulate.scenario import Trajectory
 from synth.statespace import Array
 from synth.timing import Discrete, period
 
-SUBSTEPS = 2  # of a sample: psi oscillates at 214 rad/s, 0.13 rad in half of 1.25 ms
-
 
 def of(block: Block, controller: host.Controller | None = None, declared: Interface | None = None) -> Rig:
     """Return the closed loop of a controller, compiled here or given, on motors that see the field's harmonics.
@@ -40,7 +38,7 @@ def of(block: Block, controller: host.Controller | None = None, declared: Interf
     plant = planar_stage.plant(halbach.HARMONICS)
     chosen = declared or (interface.BRAKED if block.safety and block.safety.braking else interface.INTERFACE)
     named = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block, chosen)
-    return Rig(Stage(named, plant, substeps=SUBSTEPS), plant, controller or compile_block(block))
+    return Rig(Stage(named, plant, substeps=interface.SUBSTEPS), plant, controller or compile_block(block))
 
 
 def growing_circle(time: Array, radius: float, rate: float, growth: float) -> dict[str, Array]:

@@ -28,14 +28,14 @@ from designs.planar_6dof.allocation import AXES
 from models import planar_stage
 from models.planar_stage import commutation_matrix
 from synth.analyse import linearisation, operating_points
-from synth.analyse.loops import loop, stability_margins
+from synth.analyse.loops import loop, robustness, stability_margins
 from synth.block import Block
 from synth.declare.stage import Stage
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import Array, StateSpace
 from synth.timing import Discrete
-from synth.verify import agree, replays, standard
+from synth.verify import agree, replays
 
 Place = Mapping[str, float]  # m and rad, by axis
 
@@ -137,7 +137,7 @@ def places_over_pitch(pitch: float, places: int) -> list[Place]:
     return [{"x": offsets[k], "y": offsets[3 * k % places]} for k in range(places)]
 
 
-def at_places(stage: Stage) -> list[standard.LoopsAt]:
+def at_places(stage: Stage) -> list[robustness.LoopsAt]:
     """Return the loops of the shipped controller in the middle and at places over a pitch, for the margins of a stage.
 
     A loop is opened at the position of each axis. For the disk margin it is opened at all axes and motor currents.
@@ -146,7 +146,7 @@ def at_places(stage: Stage) -> list[standard.LoopsAt]:
     spread = places_over_pitch(stage.plant.parameter("l").value, PLACES)
     places = {IN_THE_MIDDLE: MIDDLE} | {f"at place {k + 1} of the pitch": place for k, place in enumerate(spread)}
     each = {name: parts(stage.plant, block, place) for name, place in places.items()}
-    return [standard.LoopsAt(name, AXES, (*MOTORS, *AXES), partial(open_loop, both)) for name, both in each.items()]
+    return [robustness.LoopsAt(name, AXES, (*MOTORS, *AXES), partial(open_loop, both)) for name, both in each.items()]
 
 
 def horizontal(both: LoopParts) -> dict[str, StateSpace]:

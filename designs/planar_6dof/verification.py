@@ -14,7 +14,7 @@ from math import pi
 
 import numpy as np
 
-from designs.planar_6dof import allocation, artefacts, cost_stimuli, failures, interface, random_steps
+from designs.planar_6dof import allocation, cost_stimuli, failures, interface, random_steps
 from designs.planar_6dof.interface import Subject
 from designs.planar_6dof.loop import Array, growing_circle, simulate
 from models import planar_stage
@@ -44,6 +44,15 @@ LARGEST = {"x": 1e-7, "y": 1e-7, "phi": 1e-5, "z": 1e-8, "theta": 1e-7, "psi": 1
 # m, rad rms: with converters, where a count of 0.84 um or 0.1 mrad sometimes differs; a tenth of the noise
 COUNTED = {"x": 1.3e-6, "y": 1.3e-6, "phi": 3e-5}
 
+# The test vectors are a second of a closed loop with noise. The platen starts at rest near the corner of a pitch and
+# moves across the corner and back in x and y, and across a border of the sections, while it yaws, lifts and tilts. A
+# Hall channel is out of range for three samples and a set-point for ten.
+STEPS = 1000
+START = {"x": 0.024, "y": -0.0245}  # m: a pitch ends at 25.4 mm, other sensors are read from 31.75 mm on
+STROKE = {"x": 0.0095, "y": -0.009, "phi": 2e-3, "z": 5e-5, "theta": 2e-4, "psi": -2e-4}  # m, rad
+CHANNEL, BAD, VOLTS = "V_ay", slice(700, 703), 9.0  # the converter's range is 10 V, the sensor's 5 V
+SET_POINT, BAD_REFERENCE, TOO_FAR = "x_ref", slice(800, 810), 0.2  # m
+
 
 def stimuli(subject: Subject) -> Stimuli:
     """Return what drives the verification of a controller."""
@@ -54,7 +63,7 @@ def stimuli(subject: Subject) -> Stimuli:
         random_checks=share_checks,
         runs=lambda rig, whole: record_runs(rig, subject.step, WHOLE_REPLAY if whole else QUICK_REPLAY),
         path_checks=single_against_double,
-        vectors=artefacts.record_inputs,
+        vectors=record_inputs,
         further=cost_stimuli.stimuli,
         floor=FLOOR,
         edge_floor=FLOOR,
@@ -122,3 +131,21 @@ def single_against_double(double: Rig, single: Rig) -> list[Check]:
             size = float(np.sqrt(np.mean(off**2)) if quantised else np.abs(off).max())
             checks.append(Check(f"single less double, {axis}{what}", size, limit, f"{unit}{kind}", about))
     return checks
+
+
+def record_inputs(rig: Rig) -> Columns:
+    """Return the inputs (STEPS,) of the test vectors' closed loop."""
+    T = rig.period_s
+    references = reference_paths(sample_times(STEPS * T, T))
+    references["x"][BAD_REFERENCE] = TOO_FAR
+    mask = np.zeros(STEPS, dtype=bool)
+    mask[BAD] = True
+    bad = {CHANNEL: Override(mask, np.full(STEPS, VOLTS))}
+    return dict(simulate(rig, STEPS * T, references, START, overrides=bad).measured)
+
+
+def reference_paths(time: Array) -> dict[str, Array]:
+    """Return set-points (N,) by axis at times (N,) in s: forward and back once, x and y at different times."""
+    part = time / time[-1]
+    there = {axis: (1 - np.cos(2 * pi * part)) / 2 for axis in STROKE} | {"y": np.sin(pi * part) ** 4}
+    return {axis: START.get(axis, 0.0) + way * there[axis] for axis, way in STROKE.items()}

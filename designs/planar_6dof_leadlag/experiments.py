@@ -17,8 +17,8 @@ from designs.planar_6dof.finite import Motion
 from designs.planar_6dof.loop import Array, growing_circle, measured_positions, simulate
 from designs.planar_6dof.paper.records import FIGURE_8
 from synth.check import Check
+from synth.declare.experiments import Run
 from synth.simulate.experiment import Experiment
-from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 

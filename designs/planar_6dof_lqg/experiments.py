@@ -14,8 +14,8 @@ from designs.planar_6dof import experiments as shared
 from designs.planar_6dof import failures, finite
 from designs.planar_6dof.paper import records
 from synth.check import Check
+from synth.declare.experiments import Run
 from synth.simulate.experiment import Experiment
-from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 
 STEPS = {"x": records.STEP, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10

@@ -35,7 +35,7 @@ def plan_of(designs: tuple[Stage, Stage], drawn: Sampling, patterns: tuple[str, 
             f"'{first.name}' and '{second.name}' do not run on the same machines: {_difference(*machines)}; compare "
             f"designs of one plant with the same sensors"
         )
-    chosen, others = ([e.name for e in study.select(stage.experiments, patterns)] for stage in stages)
+    chosen, others = ([e.name for e in study.select(stage.all_experiments, patterns)] for stage in stages)
     if not (common := tuple(name for name in chosen if name in others)):
         raise DesignError(
             f"'{first.name}' has {', '.join(chosen)}, '{second.name}' has {', '.join(others)}: no experiment of the "

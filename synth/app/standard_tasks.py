@@ -78,7 +78,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     replay = controller.replay(inputs)
     folders = {stage.name: _with_vectors(files, inputs, replay)}
     for companion in stage.companions:
-        folders[companion.block.name] = _emit_companion(companion, stage, scalar, inputs, replay)
+        folders[companion.name] = _emit_companion(companion, stage, scalar, inputs, replay)
     return folders
 
 
@@ -96,7 +96,7 @@ def _emit_companion(
 ) -> EmittedCode:
     """Return the files of a companion; its test vectors follow from the inputs and the replay of the controller."""
     document = {"design": companion.gains(scalar)} if companion.gains else None
-    drives = stage.drive is not None and companion.block in stage.drive.blocks
+    drives = stage.drive is not None and companion in stage.drive.companions
     order, error = _call_order(stage) if drives else [], stage.surrogate_error.get(scalar)
     notes = [*order, *(companion.header_notes or stage.header_notes)]
     latency = _latency(stage) if drives else 0
@@ -172,9 +172,9 @@ def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
 
 def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
     """Run the experiments with the emitted C; raise Incomplete as `experiments.run`."""
-    if not stage.experiments:
+    if not stage.all_experiments:
         return []
-    return experiments.run(rig(stage, stage.scalar), stage.experiments, progress)
+    return experiments.run(rig(stage, stage.scalar), stage.all_experiments, progress)
 
 
 def with_headroom(stage: Stage, run: Experiment) -> Experiment:
@@ -200,7 +200,9 @@ def cost_sequences(stage: Stage, controller: host.Controller, progress: Progress
     if hooks.sequences:
         return hooks.sequences(controller, progress)
     loop = rigs.of_stage(stage, controller)
-    return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, hooks.further(controller))
+    return stimuli.sequences(
+        loop, [experiments.result(e, loop) for e in stage.all_experiments], progress, hooks.further(controller)
+    )
 
 
 def law_alone(stage: Stage) -> EmittedCode | None:

@@ -50,7 +50,7 @@ class Plan:
 
 def stage_of(stage: Stage) -> Stage:
     """Return a stage with experiments; raise DesignError for one without."""
-    if not stage.experiments:
+    if not stage.all_experiments:
         raise DesignError(f"design '{stage.name}' declares no experiments: a study runs those of a stage")
     return stage
 
@@ -61,7 +61,7 @@ def jobs(stage: Stage, plan: Plan) -> list[Job]:
     Raises DesignError as `stage_of` and for experiments that the stage does not have.
     """
     stage, first = stage_of(stage), f"{stage.name} compile"
-    study.select(stage.experiments, plan.experiments)
+    study.select(stage.all_experiments, plan.experiments)
     compile = Job(first, stage.name, partial(_compile, stage, plan))
     batches = [Job(_name(stage, b), stage.name, partial(_batch, stage, plan, b), (first,)) for b in plan.batches]
     return [compile, *batches]
@@ -106,7 +106,7 @@ def search(stage: Stage, plan: Plan, table: StudyTable, check: str, progress: Pr
     """Return the worst machine for a check that a search from the worst row of the table reaches."""
     progress(f"search for the worst {check}")
     stage_of(stage)
-    return worst_case.search(study_runs.rig(stage), stage.experiments, plan.sampling.seed, table, check)
+    return worst_case.search(study_runs.rig(stage), stage.all_experiments, plan.sampling.seed, table, check)
 
 
 def on_cluster(stage: Stage, plan: Plan, address: str, progress: Progress) -> StudyTable:
@@ -165,7 +165,7 @@ def _name(stage: Stage, batch: Sequence[range]) -> str:
 def _compile(stage: Stage, plan: Plan, progress: Progress) -> None:
     progress("compile")
     rig = study_runs.rig(stage)
-    experiments = study.select(stage.experiments, plan.experiments)
+    experiments = study.select(stage.all_experiments, plan.experiments)
     study.run(rig, experiments[:1], plan.sampling, [0], study_runs.integration_of(stage, plan.experiments))
 
 

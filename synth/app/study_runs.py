@@ -31,7 +31,7 @@ def rig(stage: Stage) -> Rig:
 
 def run(stage: Stage, sampling: Sampling, patterns: tuple[str, ...], rows: Sequence[int]) -> StudyTable:
     """Return rows of a study of the experiments whose names match; raise DesignError as `study.select`."""
-    experiments = study.select(stage.experiments, patterns)
+    experiments = study.select(stage.all_experiments, patterns)
     return study.run(rig(stage), experiments, sampling, rows, integration_of(stage, patterns))
 
 
@@ -39,7 +39,7 @@ def run(stage: Stage, sampling: Sampling, patterns: tuple[str, ...], rows: Seque
 def integration_of(stage: Stage, patterns: tuple[str, ...]) -> Integration:
     """Return the integration that the first experiment needs, stored or measured."""
     double = standard_tasks.rig(stage, np.float64)
-    first = study.select(stage.experiments, patterns)[0]
+    first = study.select(stage.all_experiments, patterns)[0]
 
     def measure() -> Integration:
         try:
@@ -55,7 +55,7 @@ def integration_of(stage: Stage, patterns: tuple[str, ...]) -> Integration:
 
 def brief(stage: Stage, progress: Progress) -> StudyTable | None:
     """Return the study of a report; None without an experiment that begins in lanes."""
-    chosen = study.select(stage.experiments, stage.study.experiments)
+    chosen = study.select(stage.all_experiments, stage.study.experiments)
     names = tuple(e.name for e in chosen if integration.runs_in_lanes(rig(stage), e))
     if not names:
         return None

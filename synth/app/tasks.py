@@ -130,7 +130,7 @@ def _campaign(stage: Stage) -> Campaign:
 
 def brief_study(stage: Stage) -> Task[StudyTable | None]:
     """Return the task of a study on a few machines; its result is None for a design without experiments in lanes."""
-    if not stage.experiments or not fault_jobs.closes_loop(stage):
+    if not stage.all_experiments or not fault_jobs.closes_loop(stage):
         return Task("study", _nothing, (_nothing,))
     loop = _closed_loop(stage, StudyLimits(experiments=stage.study.experiments))
     return Task("study", lambda say: study_runs.brief(stage, say), (study_runs.brief, loop))
@@ -206,9 +206,9 @@ def companion_costs(stage: Stage) -> Task[list[Cost]]:
 
     def compute(say: Progress) -> list[Cost]:
         emitted = emission(stage, np.float32).result(say)
-        codes = [emitted[c.block.name] for c in companions]
+        codes = [emitted[c.name] for c in companions]
         recorded = [vectors.inputs(code.files["vectors.json"]) for code in codes]
-        said = progress.each(companions, say, lambda c: f"cost of {c.block.name}")
+        said = progress.each(companions, say, lambda c: f"cost of {c.name}")
         return [meter.of_companion(code, c, u) for code, c, u in zip(codes, said, recorded, strict=True)]
 
     used = (meter.of_companion, standard_tasks.emit, stage)

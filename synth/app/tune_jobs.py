@@ -92,7 +92,7 @@ def with_values(stage: Stage, tuning: Tuning, values: Mapping[str, float]) -> St
 
 def measure_goals(search: Search, stage: Stage, rig: Rig) -> tuple[Goal, ...]:
     """Return the goals that a stage reaches on the machines of the plan, under the controller of a rig."""
-    experiments = study.select(stage.experiments, search.tuning.experiments)
+    experiments = study.select(stage.all_experiments, search.tuning.experiments)
     sampling = Sampling(search.plan.plants, search.plan.seed)
     table = verdicts.with_limits(stage, study.run(rig, experiments, sampling, range(sampling.rows), search.integration))
     stage = _at_points(stage, search.tuning.points)

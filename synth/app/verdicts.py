@@ -66,7 +66,7 @@ def survey(stage: Stage) -> Survey | None:
     )
 
 
-def _own_loops(places: Sequence[standard.LoopsAt]) -> Survey:
+def _own_loops(places: Sequence[robustness.LoopsAt]) -> Survey:
     opened = [(at.place, signal, at.open([signal])) for at in places for signal in at.signals]
     loops = [robustness.OpenLoop(p, robustness.NOMINAL, s, L, stability_margins.of_loop(L)) for p, s, L in opened]
     unstable = {loop.point for loop in loops if not loop.margins.stable}

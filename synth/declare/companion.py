@@ -5,11 +5,13 @@ sensors, set-points --> controller --> drive, such as a commutation --> amplifie
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from synth.block import Block
+from synth.errors import WiringError
 from synth.plant import Plant
 
 Reference = Callable[[Any, Any], tuple[Mapping[str, Any], Mapping[str, Any], Any]]  # a step: states, inputs -> ...
@@ -18,7 +20,7 @@ Gains = Callable[[type[np.floating]], Mapping[str, Any]]  # scalar type -> what 
 
 @dataclass(frozen=True, eq=False)
 class Companion:
-    """A Block that is emitted beside the controller, as the commutation of a motor is.
+    """A Block that is emitted beside the controller, as the commutation of a motor is; `make` builds it once used.
 
     With a `reference`, a step of the independent NumPy witness, the verification compares its witnesses like those of
     the controller, outputs relative to max(`floor`, |output|), by default to their ranges; `label` is its name there,
@@ -30,7 +32,8 @@ class Companion:
     the compiled C, further steps that cover its decisions.
     """
 
-    block: Block
+    name: str
+    make: Callable[[], Block]
     reference: Reference | None = field(default=None, kw_only=True)
     floor: float | None = field(default=None, kw_only=True)
     label: str = field(default="", kw_only=True)
@@ -38,6 +41,14 @@ class Companion:
     gains: Gains | None = None
     header_notes: Sequence[str] = ()
     sequences: Callable[[Any], Sequence[Any]] | None = None
+
+    @cached_property
+    def block(self) -> Block:
+        """The Block, built at its first use; raises WiringError where it has another name."""
+        block = self.make()
+        if block.name != self.name:
+            raise WiringError(f"the companion '{self.name}' makes a Block '{block.name}': give it the Block's name")
+        return block
 
     def select_inputs(self, inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs (N,) by name for test vectors; `inputs` and `outputs` are those of the controller."""
@@ -48,19 +59,24 @@ class Companion:
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """Blocks through which the controller drives a plant, one after another, such as the commutation of a motor.
+    """Companions through which the controller drives a plant, one after another, such as the commutation of a motor.
 
-    Each of their inputs is, by name, an output of an earlier Block or of the controller, or else an input of the
+    Each input of their Blocks is, by name, an output of an earlier Block or of the controller, or else an input of the
     controller. The outputs of the last Block are the inputs of `plant`, by name. It has the states, outputs and
     parameters of the stage's plant; experiments and fault campaigns run on it.
     """
 
     plant: Plant
-    blocks: tuple[Block, ...]
+    companions: tuple[Companion, ...]
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """The Blocks of the companions."""
+        return tuple(c.block for c in self.companions)
 
     def call_order(self, controller: str) -> str:
         """Return the sentence of the headers on the order in which a sample calls the steps."""
-        steps = [f"{name}_step" for name in (controller, *(block.name for block in self.blocks))]
+        steps = [f"{name}_step" for name in (controller, *(c.name for c in self.companions))]
         return (
             f"In each sample, call {' and then '.join(steps)}: a step takes outputs of the steps before it, and the "
             "outputs of the last one go to the hardware."

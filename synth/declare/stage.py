@@ -228,9 +228,9 @@ class Stage:
     reference         a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words)
     operating_points  plant states by name of the point; `require` are least margins there, `disk_margin` among them
     coordinates       {name: {sensor: weight}}: sums of sensors at which loops are opened, instead of at each sensor
-    loops             loops at places (`verify.standard.LoopsAt`) of a controller that no sample leaves at rest
+    loops             loops at places (`analyse.loops.robustness.LoopsAt`) of a controller that no sample leaves at rest
     tolerances        plant parameters; the margins are required at all limits of their tolerances, too
-    experiments       data with `name` and `run(rig) -> Experiment`
+    experiments       of `declare.experiments`; `runs` returns further ones, with `name` and `run(rig) -> Experiment`
     scalar            the scalar type of the C; `surrogate_error` is relative, by type, else the emitter's
     start             initial plant states of a run, where these are not 0
     stops             (low, high) of positions, which are inelastic; `velocities` are the rates that f does not show
@@ -262,6 +262,7 @@ class Stage:
     loops: Callable[[Any], Sequence[Any]] | None = None
     tolerances: Sequence[str] = ()
     experiments: Sequence[Any] = ()
+    runs: Callable[[], Sequence[Any]] | None = None
     about: str = ""
     scalar: type[np.floating] = np.float32
     surrogate_error: Mapping[type[np.floating], float] = field(default_factory=dict)
@@ -294,6 +295,11 @@ class Stage:
         inner = self.controller.sheet()
         lines = (*inner.lines, f"experiments: {', '.join(e.name for e in self.experiments) or 'none'}")
         return show.Sheet(f"Stage {self.name}, ships in {self.scalar.__name__}", lines, inner.tables)
+
+    @property
+    def all_experiments(self) -> Sequence[Any]:
+        """The experiments and those of `runs`, which are imported for it."""
+        return (*self.experiments, *(self.runs() if self.runs else ()))
 
     @property
     def name(self) -> str:

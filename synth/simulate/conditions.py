@@ -1,74 +1,15 @@
-"""Conditions of an experiment: time profiles of set-points and disturbances, initial state and changed parameters."""
+"""Time profiles of set-points and disturbances over the samples of a run, and the refusals of what cannot be run."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from synth.declare.experiments import Course
 from synth.declare.stage import Interface, SetPoint
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.simulate.scenario import Array
-
-Course = float | ArrayLike | Callable[[Array], ArrayLike]
-"""A value over time: a constant, one for each sample, or a function of times in s."""
-
-
-@dataclass(frozen=True)
-class Sine:
-    """offset + amplitude sin(frequency t + phase), in rad/s and rad."""
-
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
-    offset: float = 0.0
-
-    def __call__(self, time: Array) -> Array:
-        """Return the values at times in s."""
-        return np.asarray(self.offset + self.amplitude * np.sin(self.frequency * time + self.phase))
-
-
-@dataclass(frozen=True)
-class Ramp:
-    """From `start` to `end` within `duration_s`, from `begin_s` on.
-
-    Raises SignalError for a duration that is not positive.
-    """
-
-    start: float
-    end: float
-    begin_s: float
-    duration_s: float
-
-    def __post_init__(self) -> None:
-        if not 0 < self.duration_s < np.inf:
-            raise SignalError(f"a ramp lasts {self.duration_s} s: give a positive duration")
-
-    def __call__(self, time: Array) -> Array:
-        """Return the values at times in s."""
-        return np.asarray(self.start + (self.end - self.start) * np.clip((time - self.begin_s) / self.duration_s, 0, 1))
-
-
-@dataclass(frozen=True, eq=False)
-class Conditions:
-    """Conditions of an experiment that differ from the declared stage.
-
-    `start` gives plant states, others are 0; `disturbances` are time profiles of plant inputs that no actuator drives;
-    `parameters` are plant parameters that differ from those of the controller design. `options` are further fields of
-    `scenario.Scenario`.
-    """
-
-    start: Mapping[str, float] = field(default_factory=dict)
-    disturbances: Mapping[str, Course] = field(default_factory=dict)
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    options: Mapping[str, Any] = field(default_factory=dict)
-
-    def text(self) -> str:
-        """Return the conditions as text, each after a comma."""
-        changed = [f"{name} = {value:g}" for name, value in {**self.parameters, **self.start}.items()]
-        return "".join(f", {part}" for part in (*changed, *(f"{name} acts" for name in self.disturbances)))
 
 
 def values(course: Course, time: Array) -> Array:
@@ -120,13 +61,6 @@ def require_in_range(name: str, course: Array, point: SetPoint, unit: str) -> No
 def _farthest(course: Array, low: float, high: float) -> float:
     """Return the value that is farthest beyond a range, or nearest to its ends."""
     return float(course[np.argmax(np.maximum(course - high, low - course))])
-
-
-def require_response(name: str, overshoot: float, **positive: float) -> None:
-    """Raise SignalError for an overshoot above 1, and for one of the other numbers that is not positive."""
-    if not (0 <= overshoot <= 1 and all(0 < value < np.inf for value in positive.values())):
-        numbers = ", ".join(f"{key} {value:g}" for key, value in {**positive, "overshoot": overshoot}.items())
-        raise SignalError(f"{name}: {numbers}: give an overshoot of at most 1, 0.15 for 15 %, and the others above 0")
 
 
 def require_end(name: str, after_s: float, duration_s: float) -> None:

@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from synth.errors import WiringError
 from synth.execute import host
 from synth.plant import Plant
-from synth.simulate import closed_loop
-from synth.simulate.experiments import Runnable
+from synth.simulate import closed_loop, experiments
 from synth.simulate.lanes import lanes
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Scenario, Trajectory
@@ -46,7 +46,7 @@ class _Captured(Exception):
     """The arguments of the first simulation."""
 
 
-def first_run(rig: Rig, experiment: Runnable) -> FirstRun | None:
+def first_run(rig: Rig, experiment: Any) -> FirstRun | None:
     """Return what an experiment would simulate first, without simulating it; None where it simulates nothing."""
 
     def capture(
@@ -60,14 +60,14 @@ def first_run(rig: Rig, experiment: Runnable) -> FirstRun | None:
         raise _Captured(FirstRun(plant, controller, scenario, disturbance is not None, drive))
 
     try:
-        experiment.run(replace(rig, simulate=capture))
+        experiments.result(experiment, replace(rig, simulate=capture))
     except _Captured as captured:
         run: FirstRun = captured.args[0]
         return run
     return None
 
 
-def runs_in_lanes(rig: Rig, experiment: Runnable) -> bool:
+def runs_in_lanes(rig: Rig, experiment: Any) -> bool:
     """Tell whether an experiment first simulates plant, controller and drive of the rig, without a disturbance."""
     run = first_run(rig, experiment)
     if run is None or run.disturbed or run.plant.f is not rig.plant.f:
@@ -75,7 +75,7 @@ def runs_in_lanes(rig: Rig, experiment: Runnable) -> bool:
     return run.controller is rig.controller and run.drive == rig.drive
 
 
-def choose(rig: Rig, experiment: Runnable) -> Integration:
+def choose(rig: Rig, experiment: Any) -> Integration:
     """Return the least work whose error is at most LARGEST_ERROR, else the most, in the scenario of an experiment.
 
     The error is measured against TIGHT steps of `closed_loop` with ideal sensors; the rig has the controller in double

@@ -12,14 +12,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from synth.check import Check, describe
 from synth.errors import DesignError
+from synth.simulate import experiments as runs
 from synth.simulate import sampling
-from synth.simulate.experiments import Runnable
 from synth.simulate.integration import Integration
 from synth.simulate.lanes import lockstep
 from synth.simulate.lanes.lane_memory import Name
@@ -80,7 +81,7 @@ class Summary:
     correlation: float
 
 
-def select(experiments: Sequence[Runnable], patterns: Sequence[str]) -> list[Runnable]:
+def select(experiments: Sequence[Any], patterns: Sequence[str]) -> list[Any]:
     """Return the experiments whose names match one of the patterns (`fnmatch`), all without patterns.
 
     Raises DesignError for a pattern that matches none.
@@ -93,7 +94,7 @@ def select(experiments: Sequence[Runnable], patterns: Sequence[str]) -> list[Run
 
 
 def run(
-    rig: Rig, experiments: Sequence[Runnable], drawn: Sampling, rows: Sequence[int], integration: Integration
+    rig: Rig, experiments: Sequence[Any], drawn: Sampling, rows: Sequence[int], integration: Integration
 ) -> StudyTable:
     """Run the experiments on the machines of the rows, side by side."""
     z = sampling.draw(drawn, len(sampling.quantities(rig)), rows)
@@ -101,7 +102,7 @@ def run(
 
 
 def run_machines(
-    rig: Rig, experiments: Sequence[Runnable], z: Array, seed: int, rows: Sequence[int], integration: Integration
+    rig: Rig, experiments: Sequence[Any], z: Array, seed: int, rows: Sequence[int], integration: Integration
 ) -> StudyTable:
     """Run the experiments on machines with the deviations z (rows, quantities) and the sensor noise of their rows."""
     names, tables = sampling.quantities(rig), []
@@ -126,12 +127,12 @@ class _Measured:
     checks: tuple[Check, ...]
 
 
-def _runs(experiment: Runnable, machines: Sequence[Rig]) -> list[Callable[[Simulate], _Measured]]:
+def _runs(experiment: Any, machines: Sequence[Rig]) -> list[Callable[[Simulate], _Measured]]:
     return [partial(_run, experiment, machine) for machine in machines]
 
 
-def _run(experiment: Runnable, machine: Rig, simulate: Simulate) -> _Measured:
-    finished = experiment.run(replace(machine, simulate=simulate))
+def _run(experiment: Any, machine: Rig, simulate: Simulate) -> _Measured:
+    finished = runs.result(experiment, replace(machine, simulate=simulate))
     return _Measured(finished.figures, finished.checks)
 
 

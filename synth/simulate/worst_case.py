@@ -9,13 +9,13 @@ makes worse; the worst case may still be worse: its value is a lower bound, as t
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from synth.errors import DesignError
 from synth.simulate import study
-from synth.simulate.experiments import Runnable
 from synth.simulate.rig import Rig
 from synth.simulate.study import StudyTable
 
@@ -40,7 +40,7 @@ class WorstCase:
     converged: bool
 
 
-def search(rig: Rig, experiments: Sequence[Runnable], seed: int, table: StudyTable, check: str) -> WorstCase:
+def search(rig: Rig, experiments: Sequence[Any], seed: int, table: StudyTable, check: str) -> WorstCase:
     """Return the worst machine for a check or figure, called "experiment: name", of the table of a sample.
 
     Raises DesignError for a name that the table does not have, and for one without a value in any row.

@@ -145,13 +145,11 @@ def _require_set_points_in_range(stage: Stage) -> None:
 
 def _require_emitted_drive(stage: Stage) -> None:
     """Raise DesignError for two Blocks of one name, and for a Block of the drive that is not among the companions."""
-    companions, drive = [c.block for c in stage.companions], stage.drive.blocks if stage.drive else ()
-    if missing := [block.name for block in drive if block not in companions]:
+    names, driven = [c.name for c in stage.companions], stage.drive.companions if stage.drive else ()
+    if missing := [c.name for c in driven if c not in stage.companions]:
         raise DesignError(
-            f"the drive calls the Block '{missing[0]}', which is not emitted: add Companion(...) of this Block to "
-            "`companions`"
+            f"the drive calls the Block '{missing[0]}', which is not emitted: add its Companion(...) to `companions`"
         )
-    names = [block.name for block in companions]
     if stage.name in names:
         raise DesignError(f"a Block and the controller are both called '{stage.name}': rename the Block")
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
@@ -236,7 +234,9 @@ def _require_known_inertias(stage: Stage) -> None:
 
 
 def _require_studied_experiments(stage: Stage) -> None:
-    """Raise DesignError for a pattern of the study that names no experiment."""
+    """Raise DesignError for a pattern of the study that names no experiment; `runs` are not imported for it."""
+    if stage.runs:
+        return
     names = [e.name for e in stage.experiments]
     for pattern in (*stage.study.experiments, *stage.study.limits):
         if not any(fnmatchcase(name, pattern.partition(": ")[0]) for name in names):

@@ -19,11 +19,11 @@ from synth.block import Block
 from synth.check import Check
 from synth.declare.stage import Stage
 from synth.execute import host
+from synth.simulate import experiments
 from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
-from synth.statespace import StateSpace
 from synth.verify import agree, companions, drive, sampling, steps, stimuli, suite
 from synth.verify.agree import Agreement
 from synth.verify.evidence import Evidence
@@ -117,19 +117,6 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     return Evidence(stage.name, tuple(agreements), tuple(checks))
 
 
-@dataclass(frozen=True, eq=False)
-class LoopsAt:
-    """The loops of a stage at a place, of a stage that opens them itself: `open` returns L (p, p) opened at p signals.
-
-    The loops are opened at each of the `signals`, and for the disk margin at all of `at_once`.
-    """
-
-    place: str
-    signals: Sequence[str]
-    at_once: Sequence[str]
-    open: Callable[[Sequence[str]], StateSpace]
-
-
 def loops(stage: Stage) -> robustness.Loops:
     """Return the loops of a stage at its operating points, with constants rounded as in the emitted C."""
     return robustness.of_controller(
@@ -172,7 +159,7 @@ def compare_companions(
         columns = {name: companion.select_inputs(run.measured, run.commands) for name, run in runs.items()}
         recorded = {f"{label}{name}": _first_samples(each, samples) for name, each in columns.items()}
         rng, sizes = np.random.default_rng(hooks.seed + 2 + k), (RANDOM_STEPS, EDGE_STEPS)
-        name, unit = companion.label or companion.block.name, hooks.unit_of(companion.floor)
+        name, unit = companion.label or companion.name, hooks.unit_of(companion.floor)
         compared, single = companions.compare(companion, name, stage, recorded, rng, sizes)
         agreements, checks = [*agreements, *compared, single], [*checks, *suite.exact_checks(compared, unit)]
     return agreements, checks
@@ -180,7 +167,7 @@ def compare_companions(
 
 def _runs(rig: Rig, n: int) -> dict[str, Trajectory]:
     """Return each experiment, and n samples of a closed loop with faults."""
-    runs = {e.name: e.trajectory for e in (e.run(rig) for e in rig.stage.experiments)}
+    runs = {e.name: e.trajectory for e in (experiments.result(e, rig) for e in rig.stage.all_experiments)}
     return runs | {"faults": stimuli.closed_loop(rig, n)}
 
 
@@ -241,8 +228,8 @@ def compare_paths(stage: Stage, witness_set: Witnesses) -> list[Check]:
     precisions = [rigs.of_stage(stage, c).ideal for c in (witness_set.c64, witness_set.c32)]
     return [
         check
-        for experiment in stage.experiments
-        for check in _path_checks(stage, experiment.name, [experiment.run(rig) for rig in precisions])
+        for experiment in stage.all_experiments
+        for check in _path_checks(stage, experiment.name, [experiments.result(experiment, rig) for rig in precisions])
     ]
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from synth.declare.experiments import Conditions, Ramp, Sine
 from synth.errors import SignalError
 from synth.simulate import conditions
-from synth.simulate.conditions import Conditions, Ramp, Sine
 from tests import levitator
 
 

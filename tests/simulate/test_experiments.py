@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from synth.app import standard_tasks
+from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepResponse, Track
 from synth.errors import SignalError
 from synth.simulate import experiments
-from synth.simulate.conditions import Conditions, Sine
-from synth.simulate.experiments import Hold, LiftOff, StepResponse, Track
 from synth.simulate.rig import Rig
 from synth.simulate.sensors import Override
 from tests import levitator
@@ -37,7 +36,9 @@ def test_every_experiment_of_the_levitator_holds(rig: Rig) -> None:
 
 
 def test_a_step_is_measured_from_the_sample_at_which_it_comes(rig: Rig) -> None:
-    run = StepResponse("z_ref", 2e-4, 0.05, 0.2, error=2e-7, conditions=Conditions(start={"z": -1e-4})).run(rig)
+    run = experiments.result(
+        StepResponse("z_ref", 2e-4, 0.05, 0.2, error=2e-7, conditions=Conditions(start={"z": -1e-4})), rig
+    )
     t, r, z = run.trajectory.time, run.references["z"], run.trajectory["z"]
     k = int(np.argmax(r > 0))
     assert t[k] == 0.2 and r[k - 1] == -1e-4 and r[k] == pytest.approx(1e-4) and len(t) == 2000
@@ -50,7 +51,7 @@ def test_a_step_is_measured_from_the_sample_at_which_it_comes(rig: Rig) -> None:
 
 def test_a_track_starts_on_its_course_and_takes_a_limit_for_each(rig: Rig) -> None:
     course = Sine(2e-4, DESIGN.SCAN, np.pi / 2)
-    run = Track({"z_ref": course, "x_ref": 1e-4}, {"z_ref": 1e-7, "x_ref": 1e-12}, 0.6, 0.5).run(rig)
+    run = experiments.result(Track({"z_ref": course, "x_ref": 1e-4}, {"z_ref": 1e-7, "x_ref": 1e-12}, 0.6, 0.5), rig)
     assert run.trajectory["z"][0] == 2e-4 and run.trajectory["x"][0] == 1e-4
     error = run.trajectory["z"] - course(run.trajectory.time)
     assert checks(run)["mean |e_z|"].value == pytest.approx(np.abs(error[run.trajectory.time >= 0.5]).mean())
@@ -60,7 +61,7 @@ def test_a_track_starts_on_its_course_and_takes_a_limit_for_each(rig: Rig) -> No
 def test_an_internal_model_leaves_nothing_of_the_hum_that_it_holds(rig: Rig) -> None:
     """The same force at another frequency stays."""
     held, other = (
-        Hold({"x_ref": 1e-6}, 2.0, 1.5, Conditions(disturbances={"hum": Sine(0.2, w)})).run(rig)
+        experiments.result(Hold({"x_ref": 1e-6}, 2.0, 1.5, Conditions(disturbances={"hum": Sine(0.2, w)})), rig)
         for w in (DESIGN.MAINS, 0.8 * DESIGN.MAINS)
     )
     assert checks(held)["largest |e_x|"].passed and not checks(other)["largest |e_x|"].passed
@@ -70,7 +71,7 @@ def test_an_internal_model_leaves_nothing_of_the_hum_that_it_holds(rig: Rig) -> 
 
 def test_a_lift_off_ramps_from_the_set_points_end_and_may_be_too_fast(rig: Rig) -> None:
     start = Conditions(start={"z": -6e-4})
-    slow, fast = (LiftOff({"z_ref": 0.0}, s, 0.05, 2e-7, start).run(rig) for s in (0.2, 0.01))
+    slow, fast = (experiments.result(LiftOff({"z_ref": 0.0}, s, 0.05, 2e-7, start), rig) for s in (0.2, 0.01))
     assert slow.references["z"][0] == -5e-4 and slow.trajectory["z"][0] == -6e-4
     assert all(c.passed for c in slow.checks)
     assert not all(c.passed for c in fast.checks)
@@ -82,25 +83,26 @@ def test_an_experiment_assesses_against_the_set_points_that_the_controller_gets(
     at = replace(rig, stage=replace(rig.stage, start=start)) if where == "stage" else rig
     under = Conditions(start=start if where == "conditions" else {})
     step = StepResponse("x_ref", 1e-5, 1.0, 0.01, conditions=under)
-    for run in (step.run(at), LiftOff({"x_ref": 0.0}, 0.1, 0.5, 1e-3, under).run(at)):
+    for experiment in (step, LiftOff({"x_ref": 0.0}, 0.1, 0.5, 1e-3, under)):
+        run = experiments.result(experiment, at)
         played = run.trajectory.measured["x_ref"][0]  # in single precision
         assert run.references["x"][0] == 2e-4 == pytest.approx(float(played), rel=1e-6)
-    held = Hold({"x_ref": 1e-6}, conditions=under).run(at)
+    held = experiments.result(Hold({"x_ref": 1e-6}, conditions=under), at)
     assert held.references["x"][0] == 2e-4 and checks(held)["largest |e_x|"].passed
 
 
 def test_parameters_change_the_plant_alone(rig: Rig) -> None:
     step = StepResponse("z_ref", 3e-4, 0.05, 0.2)
     heavy = replace(step, conditions=Conditions(parameters={"M": 1.9, "K": 12.0}), label="heavy")
-    assert all(c.passed for c in step.run(rig).checks)
-    run = heavy.run(rig)
+    assert all(c.passed for c in experiments.result(step, rig).checks)
+    run = experiments.result(heavy, rig)
     assert not all(c.passed for c in run.checks) and run.title == "z steps by 0.0003 m, M = 1.9, K = 12"
     assert rig.plant is DESIGN.PLANT
 
 
 def test_a_fault_fails_any_experiment(rig: Rig) -> None:
     missing = Override(np.arange(2000) == 1200, np.nan)
-    run = Hold({"z_ref": 1e-6}, conditions=Conditions(options={"overrides": {"z": missing}})).run(rig)
+    run = experiments.result(Hold({"z_ref": 1e-6}, conditions=Conditions(options={"overrides": {"z": missing}})), rig)
     assert checks(run)["samples with a fault bit"].value == 1 and checks(run)["largest |e_z|"].passed
 
 
@@ -109,7 +111,7 @@ def test_names_are_kept_apart_and_known(rig: Rig) -> None:
     with pytest.raises(SignalError, match=r"two experiments are called 'step_z_ref_0\.0001'"):
         experiments.run(rig, [step, step], print)
     with pytest.raises(SignalError, match="no set-point 'z': name one of z_ref, x_ref"):
-        StepResponse("z", 1e-4, 0.1, 0.1).run(rig)
+        experiments.result(StepResponse("z", 1e-4, 0.1, 0.1), rig)
 
 
 def test_a_position_is_the_plant_state_and_not_the_biased_reading_of_its_sensor(rig: Rig) -> None:
@@ -124,13 +126,13 @@ def test_a_position_is_the_plant_state_and_not_the_biased_reading_of_its_sensor(
 @pytest.mark.parametrize("limit", [-2e-4, 0.0, np.nan])
 def test_a_limit_that_is_meant_as_a_set_point_is_refused(rig: Rig, limit: float) -> None:
     with pytest.raises(SignalError, match=r"hold_z_ref: the limit of \|y - r\| at 'z_ref' is .*: give a positive one"):
-        Hold({"z_ref": limit}).run(rig)
+        experiments.result(Hold({"z_ref": limit}), rig)
 
 
 @pytest.mark.parametrize("run", [StepResponse("z_ref", 5e-3, 0.1, 0.2), Track({"z_ref": Sine(5e-3, 6.0)}, 1e-5)])
 def test_a_course_beyond_the_range_of_its_set_point_is_refused(rig: Rig, run: Any) -> None:
     with pytest.raises(SignalError, match=r"the course of set-point 'z_ref' reaches 0\.00.*; its range is -0\.000"):
-        run.run(rig)
+        experiments.result(run, rig)
 
 
 @pytest.mark.parametrize(
@@ -151,4 +153,4 @@ def test_a_lift_off_with_a_number_that_cannot_be_meant_is_refused(changed: dict[
 
 def test_an_experiment_that_ends_before_it_is_assessed_is_refused(rig: Rig) -> None:
     with pytest.raises(SignalError, match=r"assessed after 1 s, but it ends after 0\.05 s"):
-        Hold({"x_ref": 1e-6}, 0.05, 1.0).run(rig)
+        experiments.result(Hold({"x_ref": 1e-6}, 0.05, 1.0), rig)

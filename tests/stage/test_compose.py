@@ -239,10 +239,10 @@ def bridges(name: str) -> Block:
 
 def test_a_block_of_the_drive_that_is_not_emitted_is_refused() -> None:
     block = bridges("bridges")
-    driven = Drive(PID.PLANT, (block,))
+    driven = Drive(PID.PLANT, (Companion(block.name, lambda: block),))
     with pytest.raises(DesignError, match=r"the Block 'bridges', which is not emitted: add .* to `companions`"):
         design_with(drive=driven)
-    assert design_with(drive=driven, companions=[Companion(block)]).drive is driven
+    assert design_with(drive=driven, companions=driven.companions).drive is driven
 
 
 @pytest.mark.parametrize(
@@ -254,7 +254,7 @@ def test_a_block_of_the_drive_that_is_not_emitted_is_refused() -> None:
 )
 def test_two_blocks_of_one_name_are_refused(names: list[str], message: str) -> None:
     with pytest.raises(DesignError, match=message):
-        design_with(companions=[Companion(bridges(name)) for name in names])
+        design_with(companions=[Companion(name, partial(bridges, name)) for name in names])
 
 
 @pytest.mark.parametrize(
@@ -342,9 +342,9 @@ def test_a_mode_that_the_simulation_would_damp_is_refused() -> None:
 
 def test_a_driven_plant_with_another_parameter_is_refused() -> None:
     block = bridges("bridges")
-    driven = Drive(PID.PLANT.with_parameters(K=25.0), (block,))
+    driven = Drive(PID.PLANT.with_parameters(K=25.0), (Companion(block.name, lambda: block),))
     with pytest.raises(DesignError, match=r"the plant has K = 20 .*, and the driven plant 25, with which"):
-        design_with(drive=driven, companions=[Companion(block)])
+        design_with(drive=driven, companions=driven.companions)
 
 
 def test_coordinates_name_sensors_and_leave_out_none_that_has_a_set_point() -> None:

@@ -41,7 +41,7 @@ def reference(factor: float) -> Any:
 
 @pytest.mark.parametrize(("factor", "passes"), [(1.5, True), (1.5000001, False)])
 def test_its_reference_agrees_unless_it_is_wrong(factor: float, passes: bool) -> None:
-    companion = Companion(BLOCK, reference=reference(factor), floor=1.0)
+    companion = Companion(BLOCK.name, lambda: BLOCK, reference=reference(factor), floor=1.0)
     rng = np.random.default_rng(1)
     compared, single = companions.compare(companion, "amplifier", STAGE, RUN, rng, (500, 200))
     checks = suite.exact_checks(compared, "A")

@@ -7,6 +7,7 @@ import pytest
 
 from synth.app import standard_tasks
 from synth.execute import build, host
+from synth.simulate import experiments
 from synth.verify import steps, stimuli
 from tests import levitator
 
@@ -62,7 +63,7 @@ def test_the_replay_has_bad_samples_of_every_input_and_latches_in_the_end(contro
 
 def test_every_sequence_is_there_and_closed_loops_come_first(controller: host.Controller) -> None:
     rig = standard_tasks.rig(STAGE, np.float32)
-    sequences = stimuli.sequences(rig, [e.run(rig) for e in STAGE.experiments], lambda _: None)
+    sequences = stimuli.sequences(rig, [experiments.result(e, rig) for e in STAGE.experiments], lambda _: None)
     assert [s.name for s in sequences if s.closed_loop] == ["step_z", "step_x", "faults in motion"]
     assert all(s.closed_loop for s in sequences[:3]) and {"latches", "faults", "edges"} <= {s.name for s in sequences}
     assert all(len(s) <= stimuli.LOOP_STEPS for s in sequences[:3])

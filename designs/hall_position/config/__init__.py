@@ -20,9 +20,9 @@ from synth import stage
 from synth.block import Block
 from synth.blocks.estimate import glsdc_estimator
 from synth.declare.stage import Controller
-from synth.emit.c import digits
 from synth.signals import signal_names
 from synth.stage import Sensor
+from synth.synthesise import digits
 from synth.timing import Discrete
 
 NAME = "hall_position"

@@ -25,13 +25,13 @@ from designs.maglev_5dof.paper import ideal_loop
 from designs.maglev_5dof.paper.ideal_loop import Motion, Regulator
 from models import maglev_stage
 from synth.base import cache
+from synth.declare.experiments import Sine
 from synth.declare.stage import Stage
 from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant
 from synth.report.formulas import Formula, is_close
 from synth.simulate import metrics
-from synth.simulate.conditions import Sine
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.statespace import Array
@@ -91,9 +91,9 @@ def ideal(setup: AuditSetup, four: bool, springs: SpringModel, lv3: str = "csch2
 
     `lv3` names the factor in L_v3, of both plant and law.
     """
-    courses = {axis: motions.COURSES[axis] for axis in ("y", "x", "z")}
+    courses = {axis: platen.COURSES[axis] for axis in ("y", "x", "z")}
     if four:
-        courses |= {"phi": Sine(0.0, platen.OMEGA0), "theta": motions.COURSES["theta"]}
+        courses |= {"phi": Sine(0.0, platen.OMEGA0), "theta": platen.COURSES["theta"]}
     return run(setup.pair(springs), courses, {"y": 0.020, "x": -0.03}, setup.duration_s / 3, lv3)
 
 

@@ -17,8 +17,8 @@ from scipy.integrate import solve_ivp
 
 from designs.maglev_5dof.paper import polynomial
 from models import maglev_stage
+from synth.declare.experiments import Sine
 from synth.plant import Plant
-from synth.simulate.conditions import Sine
 from synth.simulate.scenario import sample_times
 from synth.statespace import Array
 

@@ -24,10 +24,10 @@ from studies.hall.loop.closed_loop import PITCH, Source
 from synth.base.cache import cached
 from synth.block import unranged
 from synth.blocks.laws import error_map, lookup_table
-from synth.emit.c import digits
 from synth.execute import build
 from synth.statespace import Array as Numbers
 from synth.statespace import readonly
+from synth.synthesise import digits
 
 DIGITS = 5  # of the field
 TABLE_HALF_SIDE, TABLE_SPACING = 0.027, 1e-3  # m

@@ -91,6 +91,19 @@ class Unsolved:
 
 
 @dataclass(frozen=True, eq=False)
+class LoopsAt:
+    """The loops of a stage at a place, of a stage that opens them itself: `open` returns L (p, p) opened at p signals.
+
+    The loops are opened at each of the `signals`, and for the disk margin at all of `at_once`.
+    """
+
+    place: str
+    signals: Sequence[str]
+    at_once: Sequence[str]
+    open: Callable[[Sequence[str]], StateSpace]
+
+
+@dataclass(frozen=True, eq=False)
 class Survey:
     """The loops at all operating points and cases, and those points and cases that have no equilibrium.
 

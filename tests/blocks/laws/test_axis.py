@@ -14,11 +14,11 @@ from synth.analyse.loops import loop, robustness
 from synth.app import standard_tasks
 from synth.blocks.laws import axis, axis_regulator
 from synth.blocks.laws.axis_regulator import Regulator
+from synth.declare.experiments import Conditions, Hold
 from synth.declare.stage import Interface
 from synth.errors import ModelError, SignalError
 from synth.signals import Parameter, Signal
-from synth.simulate.conditions import Conditions
-from synth.simulate.experiments import Hold
+from synth.simulate import experiments
 from synth.simulate.rig import Rig
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.statespace import StateSpace
@@ -312,6 +312,6 @@ def test_a_stage_that_wakes_away_from_zero_is_not_kicked() -> None:
     design = DESIGN.DESIGN
     rig = Rig(design, DESIGN.PLANT, standard_tasks.compiled_controller(design, np.float64))
     away = Conditions(start={"z": -3e-4, "x": -7e-4})
-    figures = Hold({"z_ref": 1e-5, "x_ref": 1e-5}, conditions=away).run(rig).figures
+    figures = experiments.result(Hold({"z_ref": 1e-5, "x_ref": 1e-5}, conditions=away), rig).figures
     assert figures["largest |e_z| from the start, m"] < 2e-6 and figures["largest |e_x| from the start, m"] < 1.1e-5
     assert figures["largest |i1|, A"] < 0.2 and figures["largest |i2|, A"] < 0.1

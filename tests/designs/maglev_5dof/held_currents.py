@@ -22,7 +22,7 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import least_squares
 
-from designs.maglev import motions, platen
+from designs.maglev import platen
 from models import maglev_phases, maglev_stage, windings
 from synth.plant import Plant
 from synth.simulate.faults import machines
@@ -128,7 +128,7 @@ class Machine:
 def course(phase: float) -> tuple[Array, Array]:
     """Return state and accelerations on the course of the 4-DOF tracking at a phase of its period in 0 .. 1."""
     x, acceleration = dict.fromkeys(STATES, 0.0), dict.fromkeys(POSITIONS, 0.0)
-    for q, sine in motions.COURSES.items():
+    for q, sine in platen.COURSES.items():
         angle = 2 * pi * phase + sine.phase
         x[q] = sine.offset + sine.amplitude * np.sin(angle)
         x[maglev_stage.RATE[q]] = sine.amplitude * sine.frequency * np.cos(angle)

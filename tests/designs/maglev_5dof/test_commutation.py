@@ -101,7 +101,7 @@ def lose(
     lost = {s: Override(time >= onset, np.full(len(time), np.nan)) for s in sensors}
     if onset_s is None:
         return of.run(onset + watch_s, {"y": gap}, overrides=lost)
-    courses = {axis: course(time) for axis, course in motions.COURSES.items()}
+    courses = {axis: course(time) for axis, course in platen.COURSES.items()}
     start = {axis: float(courses[axis][0]) for axis in ("y", "x", "z")}
     references = {f"{axis}_ref": course for axis, course in courses.items()}
     return of.run(onset + watch_s, start, references, overrides=lost)

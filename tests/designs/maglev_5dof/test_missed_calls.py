@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from designs.maglev import motions, platen
+from designs.maglev import platen
 from designs.maglev.fault_handling import MISSED_CALLS
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
@@ -15,7 +15,7 @@ from tests.designs.maglev_5dof.held_currents import PERIOD_S, STATES, Machine, Y
 
 WRONG_PLANTS = (1, 6)  # of the campaign: with stronger magnets, so the gap is less stable
 CLIMBING = (20.5 / 24, 21 / 24)  # phases of the course in which the platen approaches its upper stop
-SETTLED, FREQUENCY = 10.0, motions.COURSES["y"].frequency  # s, from which on the paper measures; rad/s
+SETTLED, FREQUENCY = 10.0, platen.COURSES["y"].frequency  # s, from which on the paper measures; rad/s
 ON_COURSE = [STATES.index(maglev_stage.RATE[q]) for q in maglev_stage.RATE]
 
 
@@ -38,7 +38,7 @@ def tracking(plant: int, phase: float, missed: int) -> Trajectory:
     rig, first = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar)), onset(phase)
     duration_s = (first + missed + 250) * PERIOD_S
     time = sample_times(duration_s, PERIOD_S)
-    references = {f"{axis}_ref": sine(time) for axis, sine in motions.COURSES.items()}
+    references = {f"{axis}_ref": sine(time) for axis, sine in platen.COURSES.items()}
     start = {axis: float(references[f"{axis}_ref"][0]) for axis in ("y", "x", "z")}
     k = np.arange(len(time))
     return machines.machine_number(rig, plant).run(

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.planar_6dof import artefacts as shared
 from designs.planar_6dof import lqg
+from designs.planar_6dof import verification as shared
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import design as leadlag_design

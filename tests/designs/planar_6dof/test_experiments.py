@@ -140,7 +140,8 @@ def test_one_seed_is_one_run(lead: Rig) -> None:
 def test_substeps_are_fine_enough(lead: Rig) -> None:
     """Four times as many change the position by less than a thousandth of its noise."""
     few, many = (
-        simulate(lead, 0.3, {"x": 1e-4, "psi": 1e-4}, {}, substeps=n) for n in (loops.SUBSTEPS, 4 * loops.SUBSTEPS)
+        simulate(lead, 0.3, {"x": 1e-4, "psi": 1e-4}, {}, substeps=n)
+        for n in (interface.SUBSTEPS, 4 * interface.SUBSTEPS)
     )
     np.testing.assert_allclose(few["x"], many["x"], atol=1e-3 * interface.NOISE)
 

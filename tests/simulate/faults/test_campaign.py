@@ -11,9 +11,9 @@ import pytest
 from synth.app import standard_tasks
 from synth.base.progress import silent
 from synth.blocks.guard import safety
+from synth.declare.experiments import Sine
 from synth.declare.fault_campaign import FaultCampaign, FaultLimit
 from synth.errors import SignalError
-from synth.simulate.conditions import Sine
 from synth.simulate.faults import campaign, fault_effects, fault_rows, fault_sweeps, fault_table, injections, machines
 from synth.simulate.faults.campaign import FaultRun, HealthyRun
 from synth.simulate.faults.fault_rows import Campaign

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from synth.emit.c import digits
+from synth.synthesise import digits
 
 
 def test_cut_drops_last_bits() -> None:

@@ -1,0 +1,188 @@
+"""Experiments as data: what is run, and the requirements on the response.
+
+    StepResponse  step of a set-point:        overshoot / step, settling time to a band of 2 % of the step or one count
+    Track         moving set-points:          mean |y - r| of the true positions, after the initial transient
+    Hold          constant set-points:        max |y - r| under disturbances, after the initial transient
+    LiftOff       start at another position:  set-points ramp from there; overshoot / travel, max |y - r| at the end
+    Run           what a function of the stage runs
+
+Conditions of an experiment are its initial state, time profiles of disturbances, and changed parameters. It is run by
+`synth.simulate.experiments`.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from synth.errors import SignalError
+from synth.statespace import Array
+
+Course = float | ArrayLike | Callable[[Array], ArrayLike]
+"""A value over time: a constant, one for each sample, or a function of times in s."""
+
+
+@dataclass(frozen=True)
+class Sine:
+    """offset + amplitude sin(frequency t + phase), in rad/s and rad."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
+
+    def __call__(self, time: Array) -> Array:
+        """Return the values at times in s."""
+        return np.asarray(self.offset + self.amplitude * np.sin(self.frequency * time + self.phase))
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """From `start` to `end` within `duration_s`, from `begin_s` on.
+
+    Raises SignalError for a duration that is not positive.
+    """
+
+    start: float
+    end: float
+    begin_s: float
+    duration_s: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.duration_s < np.inf:
+            raise SignalError(f"a ramp lasts {self.duration_s} s: give a positive duration")
+
+    def __call__(self, time: Array) -> Array:
+        """Return the values at times in s."""
+        return np.asarray(self.start + (self.end - self.start) * np.clip((time - self.begin_s) / self.duration_s, 0, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """Conditions of an experiment that differ from the declared stage.
+
+    `start` gives plant states, others are 0; `disturbances` are time profiles of plant inputs that no actuator drives;
+    `parameters` are plant parameters that differ from those of the controller design. `options` are further fields of
+    `scenario.Scenario`.
+    """
+
+    start: Mapping[str, float] = field(default_factory=dict)
+    disturbances: Mapping[str, Course] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def text(self) -> str:
+        """Return the conditions as text, each after a comma."""
+        changed = [f"{name} = {value:g}" for name, value in {**self.parameters, **self.start}.items()]
+        return "".join(f", {part}" for part in (*changed, *(f"{name} acts" for name in self.disturbances)))
+
+
+@dataclass(frozen=True, eq=False)
+class StepResponse:
+    """The set-point steps by `height` in its unit once the loop has settled.
+
+    `overshoot` is a fraction of the step, `settling_time_s` the limit of the settling time, `error` that of the final
+    |y - r|, None for no check. `conditions` gives the conditions of the run, `label` replaces the name.
+
+    Raises SignalError for a step of 0, an overshoot above 1, and a settling time that is not positive.
+    """
+
+    set_point: str
+    height: float
+    overshoot: float
+    settling_time_s: float
+    error: float | None = None
+    conditions: Conditions = field(default_factory=Conditions)
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        positive = {"settling_time_s": self.settling_time_s, "height": abs(self.height)}
+        _require_response(self.name, self.overshoot, **positive)
+
+    @property
+    def name(self) -> str:
+        """The label, or the set-point and the step."""
+        return self.label or f"step_{self.set_point}_{self.height:g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Set-points follow profiles; the mean |y - r| after `after_s` is at most `mean_error`, one or {set-point: limit}.
+
+    The run starts at rest at the start of the profiles.
+    """
+
+    set_points: Mapping[str, Course]
+    mean_error: float | Mapping[str, float]
+    duration_s: float = 2.0
+    after_s: float = 1.0
+    conditions: Conditions = field(default_factory=Conditions)
+    label: str = ""
+
+    @property
+    def name(self) -> str:
+        """The label, or the set-points."""
+        return self.label or f"track_{'_'.join(self.set_points)}"
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """Set-points stay at the initial positions; |y - r| after `after_s` is at most `errors` {set-point: limit}."""
+
+    errors: Mapping[str, float]
+    duration_s: float = 1.0
+    after_s: float = 0.5
+    conditions: Conditions = field(default_factory=Conditions)
+    label: str = ""
+
+    @property
+    def name(self) -> str:
+        """The label, or the set-points."""
+        return self.label or f"hold_{'_'.join(self.errors)}"
+
+
+@dataclass(frozen=True, eq=False)
+class LiftOff:
+    """The run starts at rest at `conditions.start`, such as a stop; set-points ramp to the values `to` in `ramp_s`.
+
+    `overshoot` is a fraction of the travel, `error` the limit of the final |y - r|.
+
+    Raises SignalError for a ramp or an error that is not positive, and an overshoot above 1.
+    """
+
+    to: Mapping[str, float]
+    ramp_s: float
+    overshoot: float
+    error: float
+    conditions: Conditions
+    duration_s: float | None = None
+    label: str = "lift_off"
+
+    def __post_init__(self) -> None:
+        _require_response(self.name, self.overshoot, ramp_s=self.ramp_s, error=self.error)
+
+    @property
+    def name(self) -> str:
+        """The label."""
+        return self.label
+
+
+@dataclass(frozen=True)
+class Run:
+    """An experiment that a stage defines by a function: its name, and `make(rig, name)`, which runs it."""
+
+    name: str
+    make: Callable[[Any, str], Any]
+
+    def run(self, rig: Any) -> Any:
+        """Run the experiment on a `Rig`; return an `Experiment`."""
+        return self.make(rig, self.name)
+
+
+def _require_response(name: str, overshoot: float, **positive: float) -> None:
+    """Raise SignalError for an overshoot above 1, and for one of the other numbers that is not positive."""
+    if not (0 <= overshoot <= 1 and all(0 < value < np.inf for value in positive.values())):
+        numbers = ", ".join(f"{key} {value:g}" for key, value in {**positive, "overshoot": overshoot}.items())
+        raise SignalError(f"{name}: {numbers}: give an overshoot of at most 1, 0.15 for 15 %, and the others above 0")
