@@ -60,4 +60,4 @@ def test_a_constant_that_is_squared_is_doubled_instead_of_negated(effect: float,
 
 def test_the_test_names_the_defect_that_the_reference_shares() -> None:
     with pytest.raises(AssertionError, match="law_per_length doubled; write the reference from the equations"):
-        testing.test_defects_that_are_planted_are_found(replace(PID.DESIGN, stage=squaring(1e-20)))
+        testing.test_defects_that_are_planted_are_found(squaring(1e-20))

@@ -66,37 +66,31 @@ def test_what_does_not_compare_is_refused() -> None:
     with pytest.raises(DesignError, match="with itself: name another design"):
         comparison.plan_of(loaded(NAMES[0], NAMES[0]), PLAN, ())
     first, second = loaded("levitator_2dof", NAMES[0])
-    assert first.stage is not None and second.stage is not None
-    same_sensors = replace(first, stage=replace(first.stage, controller=second.stage.controller))
+    same_sensors = replace(first, controller=replace(second.controller, name="levitator_other"))
     with pytest.raises(DesignError, match="no experiment of the same name"):
         comparison.plan_of((same_sensors, second), PLAN, ())
 
 
 def test_designs_of_other_machines_are_refused() -> None:
     first, second = loaded("levitator_2dof", NAMES[0])
-    assert first.stage is not None
-    plant = first.stage.plant
+    plant = first.plant
     for changed, reason in (({"tolerance": 0.0}, r"K = 20 \(\+- 0\)"), ({"value": 21.0}, r"K = 21 \(\+- 0.1\)")):
         parameters = tuple(replace(p, **changed) if p.name == "K" else p for p in plant.parameters)
-        other = replace(first, stage=replace(first.stage, plant=replace(plant, parameters=parameters)))
+        other = replace(first, plant=replace(plant, parameters=parameters))
         with pytest.raises(DesignError, match=rf"one has {reason} where the other has K = 20 \(\+- 0.1\)"):
             comparison.plan_of((other, second), PLAN, ())
 
 
 def test_machines_drawn_in_another_order_are_refused() -> None:
     first, second = loaded("levitator_2dof", NAMES[0])
-    assert first.stage is not None
-    plant = first.stage.plant
-    other = replace(first, stage=replace(first.stage, plant=replace(plant, parameters=plant.parameters[::-1])))
+    plant = first.plant
+    other = replace(first, plant=replace(plant, parameters=plant.parameters[::-1]))
     with pytest.raises(DesignError, match="do not run on the same machines: one has s = 400"):
         comparison.plan_of((other, second), PLAN, ())
 
 
 def test_a_stage_without_operating_points_has_no_margins(laws: Path) -> None:
-    first, second = (
-        replace(d, stage=replace(d.stage, operating_points={}))
-        for d in (workspace.designs(laws, [n])[0] for n in NAMES)
-    )
+    first, second = (replace(d, operating_points={}) for d in (workspace.designs(laws, [n])[0] for n in NAMES))
     plan = comparison.plan_of((first, second), PLAN, ("z_*",))
     outcomes = jobs.run(comparison.jobs((first, second), plan), Lines(lambda about, line: None), 2)
     sides = comparison.sides((first, second), plan, outcomes)

@@ -25,7 +25,7 @@ def enter_workspace(monkeypatch: pytest.MonkeyPatch, *limits: FaultLimit, **fiel
     """Enter the workspace of the levitator and shorten its fault campaign."""
     module = levitator.design(NAME)
     faulty = replace(module.DESIGN, faults=replace(SHORT_RUNS, limits=limits, **fields))
-    monkeypatch.setattr(module, "DESIGN", replace(module.DESIGN, stage=faulty))
+    monkeypatch.setattr(module, "DESIGN", faulty)
     monkeypatch.chdir(levitator.FOLDER)
 
 
@@ -140,14 +140,13 @@ def test_the_measured_safe_output_goes_to_header_and_manifest(
     assert measured is not None and (measured.plants, measured.runs, measured.latched) == (2, 8, 8)
     assert 0.02 < measured.impacts["at rest"]["z"] < 0.06
     assert measured.text() in " ".join(capsys.readouterr().out.split())
-    assert design.stage is not None
-    quoting = replace(design.stage, safe_output=measured)
+    quoting = replace(design, safe_output=measured)
     files = standard_tasks.emit(quoting, design.scalar)[NAME]
     comment = " ".join(files.files[f"{NAME}.h"].replace(" * ", " ").split())
     assert all(clause in comment for clause in measured.text().split("; "))
     assert measured.text() in files.manifest["safety"]["safe_output_effect"]
     parts = fault_jobs.losses(design, 2)
-    assert fault_jobs.safe_output(replace(design, stage=quoting), parts) == measured
+    assert fault_jobs.safe_output(quoting, parts) == measured
 
 
 def test_a_file_with_other_figures_is_refused(tmp_path: Path) -> None:

@@ -60,8 +60,8 @@ def evaluate(values: dict[str, float]) -> Candidate:
 
 
 def stub(seed: int, generations: int) -> Any:
-    plan, design = Plan(1, seed, generations), SimpleNamespace(name="stub")
-    return SimpleNamespace(evaluate=evaluate, tuning=Tuning(FREE, lambda p: p), plan=plan, design=design)
+    plan, stage = Plan(1, seed, generations), SimpleNamespace(name="stub")
+    return SimpleNamespace(evaluate=evaluate, tuning=Tuning(FREE, lambda p: p), plan=plan, stage=stage)
 
 
 def archive(seed: int) -> dict[tuple[float, ...], Candidate]:
@@ -134,7 +134,7 @@ def prepared() -> tune_jobs.Search:
     module = levitator.design("levitator_2dof")
     tuning = replace(module.DESIGN.tuning, experiments=["step_z*"])
     stage = replace(module.DESIGN, tuning=tuning, operating_points={"mid": {"z": 0.0}})
-    return tune_jobs.prepare(replace(module.DESIGN, stage=stage), Plan(3, 1, 1))
+    return tune_jobs.prepare(stage, Plan(3, 1, 1))
 
 
 @pytest.mark.slow
@@ -142,9 +142,9 @@ def test_declared_values_must_give_the_declared_law(prepared: tune_jobs.Search) 
     stage, tuning = prepared.stage, prepared.tuning
     other = replace(tuning, free=[replace(tuning.free[0], value=2e3), *tuning.free[1:]])
     with pytest.raises(DesignError, match="its declared values give"):
-        tune_jobs.prepare(replace(prepared.design, stage=replace(stage, tuning=other)), prepared.plan)
+        tune_jobs.prepare(replace(stage, tuning=other), prepared.plan)
     with pytest.raises(DesignError, match="declares no tuning"):
-        tune_jobs.prepare(replace(prepared.design, stage=replace(stage, tuning=None)), prepared.plan)
+        tune_jobs.prepare(replace(stage, tuning=None), prepared.plan)
 
 
 @pytest.mark.slow

@@ -190,7 +190,7 @@ def test_a_fresh_build_runs_every_part_in_a_job_of_its_own(tmp_path: Path, monke
     monkeypatch.setattr(workspace, "design_names", lambda *_: ["stage"])
     monkeypatch.setattr(workspace, "designs", lambda *_: [made])
     first, unchanged, fresh = (RUNNER.invoke(app, ["build", *option]).output for option in ((), (), ("--fresh",)))
-    assert "stage: witnesses\n" in first and fresh == first
+    assert "stage: witnesses\n" in first and sorted(fresh.splitlines()) == sorted(first.splitlines())
     assert first.endswith(unchanged) and "stage: report" not in unchanged
 
 

@@ -40,7 +40,7 @@ def simulated(stage: Stage) -> list[Experiment]:
 
 
 def test_a_sound_stage_is_inside_all_bounds() -> None:
-    for run in tasks.simulations(PID.DESIGN)["experiments"].compute(silent):
+    for run in tasks.experiments(PID.DESIGN).compute(silent):
         check = next(c for c in run.checks if c.name == headroom.NAME)
         assert check.passed and 0.05 < check.value < 0.5
         assert any(name.startswith(headroom.NAME) for name in run.figures)

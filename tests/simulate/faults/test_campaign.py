@@ -44,7 +44,7 @@ def rig(bare: Rig) -> Rig:
 
 @pytest.fixture(scope="module")
 def without_latch(bare: Rig) -> Rig:
-    return with_campaign(standard_tasks.rig_without_latch(bare, bare.scalar))
+    return with_campaign(standard_tasks.rig_without_latch(bare.stage, bare.stage.scalar))
 
 
 def every_run(rig: Rig) -> Runs:
