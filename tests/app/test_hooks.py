@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -92,14 +93,14 @@ def contents(of: Stage, results: Results) -> Extra:
 
 def lamp() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step({"light": 0.5 * u["i1"]})
+        return Step({"light": ca.if_else(u["i1"] > 0, 0.5, 0.0)})
 
-    inputs, outputs = [Signal("i1", "A", -3, 3, "current")], [Signal("light", "A", -1.5, 1.5, "half of it")]
+    inputs, outputs = [Signal("i1", "A", -3, 3, "current")], [Signal("light", "1", 0, 1, "on while a current flows")]
     return build("lamp", PID.TIME, law, inputs=inputs, outputs=outputs, tag="lamp")
 
 
 def lamp_reference(x: Any, u: Any) -> tuple[dict[str, Any], dict[str, Any], Any]:
-    return {}, {"light": 0.5 * u["i1"]}, np.zeros(np.shape(u["i1"]), np.uint32)
+    return {}, {"light": np.where(np.asarray(u["i1"]) > 0, 0.5, 0.0)}, np.zeros(np.shape(u["i1"]), np.uint32)
 
 
 HOOKED = replace(
@@ -145,7 +146,8 @@ def test_a_wrong_reference_of_a_part_and_a_missed_check_fail(tmp_path: Path, mon
     monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
 
     def brighter(x: Any, u: Any) -> tuple[dict[str, Any], dict[str, Any], Any]:
-        return {}, {"light": 0.501 * u["i1"]}, lamp_reference(x, u)[2]
+        lights = lamp_reference(x, u)
+        return {}, {"light": 1.001 * lights[1]["light"]}, lights[2]
 
     def missed() -> Stimuli:
         return replace(stimuli(), random_checks=lambda states, results: [Check("random share", 0.9, 0.5, "1")])
