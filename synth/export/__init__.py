@@ -1,0 +1,1 @@
+"""Runnable projects around the emitted step."""

@@ -1,0 +1,170 @@
+#include "machine.h"
+
+#include <math.h>
+#include <string.h>
+
+#define SAMPLES(seconds) ((uint64_t)((seconds) / STAGE_PERIOD_S))
+#define GOOD_S 0.1    /* of good sensors before a start */
+#define REST_S 0.25   /* without a movement before a start */
+#define ENABLE_S 0.1  /* under the safe output, until the amplifiers are on */
+#define BRAKE_S 0.1   /* in which a held motion comes to a stop on its path */
+#define LANDED_S 0.5  /* of unchanged outputs after a latch, before the amplifiers go off */
+
+const char *const PHASES[] = {"waiting", "enabling", "starting", "running", "latched", "stopping", "disabled"};
+
+void machine_init(machine_t *machine, int prompt)
+{
+    *machine = (machine_t){.phase = WAITING, .prompt = prompt, .rate = 1.0};
+}
+
+/* Count the samples in which every sensor is good, and those in which none has moved. */
+static void look(machine_t *machine, const double sensors[])
+{
+    int good = 1, quiet = 1;
+    for (int i = 0; i < N_SENSORS; i++) {
+        good &= sensors[i] >= SENSORS[i].low && sensors[i] <= SENSORS[i].high;
+        quiet &= fabs(sensors[i] - machine->at_rest[i]) <= SENSORS[i].rest;
+    }
+    machine->good = good ? machine->good + 1u : 0u;
+    machine->quiet = quiet ? machine->quiet + 1u : 0u;
+    if (!quiet) memcpy(machine->at_rest, sensors, sizeof machine->at_rest);
+    memcpy(machine->sensors, sensors, sizeof machine->sensors);
+}
+
+int machine_is_moving(const machine_t *machine)
+{
+    return machine->motion.kind != MOTION_NONE;
+}
+
+int machine_may_start(const machine_t *machine)
+{
+    return machine->phase == DISABLED && machine->quiet >= SAMPLES(REST_S);
+}
+
+static void stop(machine_t *machine, const char *reason)
+{
+    if (machine->phase == DISABLED || machine->phase == STOPPING) return;
+    if (machine->phase != LATCHED_PHASE) machine->reason = reason;
+    machine->motion.kind = MOTION_NONE;
+    machine->phase = machine->enabled ? STOPPING : DISABLED;
+}
+
+/* A motion was checked from its own start; from elsewhere it would jump. */
+static int starts_here(const machine_t *machine, const motion_t *motion)
+{
+    int here = 1;
+    for (int i = 0; i < N_SET_POINTS; i++) {
+        const double far = fabs(machine->set_points[i] - motion->from[i]);
+        here &= far <= 1e-9 * (SET_POINTS[i].high - SET_POINTS[i].low);
+    }
+    return here;
+}
+
+void machine_command(machine_t *machine, const command_t *command)
+{
+    switch (command->order) {
+    case COMMAND_MOTION:
+        if (machine->phase == RUNNING && !machine_is_moving(machine) && starts_here(machine, &command->motion)) {
+            machine->motion = command->motion;
+            machine->t = 0.0;
+            machine->rate = 1.0;
+            machine->holding = 0;
+        }
+        break;
+    case COMMAND_HOLD: machine->holding = machine->phase == RUNNING; break;
+    case COMMAND_START:
+        if (machine_may_start(machine)) machine->phase = WAITING;
+        break;
+    case COMMAND_STOP: stop(machine, command->reason); break;
+    default: break;
+    }
+}
+
+/* A held motion goes on ever more slowly: the set-points stay on the path that was checked. */
+static void move(machine_t *machine)
+{
+    if (!machine_is_moving(machine)) return;
+    if (machine->holding) machine->rate = fmax(machine->rate - STAGE_PERIOD_S / BRAKE_S, 0.0);
+    machine->t += machine->rate * STAGE_PERIOD_S;
+    const int over = machine->t >= machine->motion.duration - 0.5 * STAGE_PERIOD_S;
+    motion_at(&machine->motion, over ? machine->motion.duration : machine->t, machine->set_points);
+    if (over || !(machine->rate > 0.0)) {
+        machine->motion.kind = MOTION_NONE;
+        if (machine->phase == STARTING) machine->phase = RUNNING;
+    }
+}
+
+static void start(machine_t *machine)
+{
+    double home[SET_POINTS_SIZE] = {0.0};
+    for (int i = 0; i < N_SET_POINTS; i++) home[i] = LIMITS[i].home;
+    machine->motion = motion_move(machine->set_points, home);
+    machine->motion.kind = N_SET_POINTS ? MOTION_MOVE : MOTION_NONE;
+    machine->t = 0.0;
+    machine->rate = 1.0;
+    machine->holding = 0;
+    machine->latch_cause = 0u;
+    machine->enabled = 1;
+    machine->phase = N_SET_POINTS ? STARTING : RUNNING;
+}
+
+static void call(machine_t *machine, double missed)
+{
+    double before[N_OUTPUTS];
+    memcpy(before, machine->outputs, sizeof before);
+    machine->faults = stage_step(&machine->stage, machine->sensors, machine->set_points, missed, machine->outputs);
+    if ((machine->faults & LATCHED) != 0u && machine->phase != LATCHED_PHASE) {
+        machine->phase = LATCHED_PHASE;
+        machine->reason = "the controller latched";
+        machine->latch_cause = machine->faults;
+        machine->samples = 0u;
+    }
+    /* The outputs of a latched step move in its calls alone, so it is called until they stand still. */
+    machine->samples = (memcmp(before, machine->outputs, sizeof before) == 0) ? machine->samples + 1u : 0u;
+    if (machine->phase == LATCHED_PHASE && machine->samples >= SAMPLES(LANDED_S)) {
+        machine->phase = DISABLED;
+        machine->enabled = 0;
+    }
+}
+
+int machine_make_safe(machine_t *machine)
+{
+    return stage_safe_step(&machine->stage, machine->outputs);
+}
+
+void machine_sample(machine_t *machine, const double sensors[], double missed)
+{
+    look(machine, sensors);
+    if (machine->phase == WAITING) {
+        machine->enabled = 0;
+        const int ready = machine->good >= SAMPLES(GOOD_S) && machine->quiet >= SAMPLES(REST_S);
+        if (machine->good > 0u) {
+            stage_pose(sensors, machine->set_points);
+            stage_init(&machine->stage, sensors, machine->set_points);
+            (void)machine_make_safe(machine);
+        }
+        if (ready) {
+            machine->samples = 0u;
+            machine->enabled = 1;
+            machine->phase = ENABLING;
+        }
+        if (machine->prompt && machine->good > 0u) start(machine);
+    } else if (machine->phase == ENABLING) {
+        if (machine->good == 0u) stop(machine, "a sensor failed before the start");
+        else if (++machine->samples >= SAMPLES(ENABLE_S)) {
+            stage_pose(sensors, machine->set_points);
+            stage_init(&machine->stage, sensors, machine->set_points);
+            start(machine);
+        }
+    } else {
+        move(machine);
+    }
+    switch (machine->phase) {
+    case STARTING: case RUNNING: case LATCHED_PHASE: call(machine, missed); break;
+    case STOPPING:
+        if (machine_make_safe(machine)) machine->phase = DISABLED;
+        break;
+    case DISABLED: machine->enabled = 0; break;
+    case WAITING: case ENABLING: default: break;
+    }
+}

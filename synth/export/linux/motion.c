@@ -1,0 +1,214 @@
+#include "motion.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TWO_PI 6.283185307179586
+#define ROUNDED 0.1         /* of a ramp, or of a zigzag's quarter: its rounded end */
+#define LONGEST_S 3600.0    /* of a motion, all samples of which are checked */
+#define ROUNDING 1e-9       /* relative: of the finite differences of a check */
+
+/* 0 .. 1 with no speed and no acceleration at its ends; peaks of its derivatives: 1.875, 5.774, 60. */
+static double smooth(double s)
+{
+    const double c = fmin(fmax(s, 0.0), 1.0);
+    return c * c * c * (10.0 + c * (6.0 * c - 15.0));
+}
+
+/* 0 .. 1 at a constant speed, with parabolic ends. */
+static double ramp(double s)
+{
+    const double c = fmin(fmax(s, 0.0), 1.0), speed = 1.0 / (1.0 - ROUNDED);
+    if (c < ROUNDED) return speed * c * c / (2.0 * ROUNDED);
+    if (c > 1.0 - ROUNDED) return 1.0 - speed * (1.0 - c) * (1.0 - c) / (2.0 * ROUNDED);
+    return speed * (c - ROUNDED / 2.0);
+}
+
+/* A triangle of period 1 with the phase of a sine, its corners rounded to parabolas and its peaks at +-1. */
+static double triangle(double cycles)
+{
+    const double phase = cycles - floor(cycles), corner = ROUNDED / 4.0;
+    const double half = (phase < 0.5) ? 1.0 : -1.0, e = fabs(phase - ((phase < 0.5) ? 0.25 : 0.75));
+    const double value = (e < corner) ? 1.0 - 2.0 * corner - 2.0 * e * e / corner : 1.0 - 4.0 * e;
+    return half * value / (1.0 - 2.0 * corner);
+}
+
+void motion_at(const motion_t *motion, double t, double set_points[])
+{
+    const double s = (motion->duration > 0.0) ? t / motion->duration : 1.0, cycles = motion->frequency * t;
+    const double fade = smooth(cycles) * smooth(motion->frequency * (motion->duration - t));
+    double a = 1.0, b = 0.0;
+    switch (motion->kind) {
+    case MOTION_MOVE: a = smooth(s); break;
+    case MOTION_RAMP: a = ramp(s); break;
+    case MOTION_SINE: a = fade * sin(TWO_PI * cycles); break;
+    case MOTION_ZIGZAG: a = fade * triangle(cycles); break;
+    case MOTION_ELLIPSE: a = fade * sin(TWO_PI * cycles); b = fade * cos(TWO_PI * cycles); break;
+    case MOTION_NONE: case MOTION_STEP: default: break;
+    }
+    for (int i = 0; i < N_SET_POINTS; i++) {
+        const double r = motion->from[i] + motion->a[i] * a + motion->b[i] * b;
+        set_points[i] = fmin(fmax(r, SET_POINTS[i].low), SET_POINTS[i].high);
+    }
+}
+
+motion_t motion_move(const double from[], const double to[])
+{
+    motion_t move = {.kind = MOTION_MOVE};
+    for (int i = 0; i < N_SET_POINTS; i++) {
+        const double far = fabs(to[i] - from[i]);
+        move.from[i] = from[i];
+        move.a[i] = to[i] - from[i];
+        move.duration = fmax(move.duration, 1.875 * far / LIMITS[i].speed);
+        move.duration = fmax(move.duration, sqrt(5.774 * far / LIMITS[i].acceleration));
+        move.duration = fmax(move.duration, cbrt(60.0 * far / LIMITS[i].jerk));
+    }
+    move.duration = ceil(move.duration / STAGE_PERIOD_S + 1.0) * STAGE_PERIOD_S;
+    return move;
+}
+
+int set_point_index(const char *name)
+{
+    for (int i = 0; i < N_SET_POINTS; i++) {
+        if (strcmp(SET_POINTS[i].name, name) == 0) return i;
+    }
+    return -1;
+}
+
+int parse_number(const char *text, double *value)
+{
+    char *end;
+    *value = strtod(text, &end);
+    return (end != text && *end == '\0' && isfinite(*value)) ? 0 : -1;
+}
+
+/* The largest range, speed and acceleration in every sample, held against the limits of each set-point. */
+static int check(const motion_t *motion, char *message, size_t size)
+{
+    double last[SET_POINTS_SIZE] = {0.0}, speed[SET_POINTS_SIZE] = {0.0}, r[SET_POINTS_SIZE];
+    const long samples = lround(motion->duration / STAGE_PERIOD_S);
+    for (int i = 0; i < N_SET_POINTS; i++) {
+        const double reach = hypot(motion->a[i], motion->b[i]), least = motion->from[i] + fmin(motion->a[i], 0.0);
+        const int periodic = motion->kind >= MOTION_SINE;
+        const double low = periodic ? motion->from[i] - reach : least;
+        const double high = periodic ? motion->from[i] + reach : motion->from[i] + fmax(motion->a[i], 0.0);
+        if (low < SET_POINTS[i].low - ROUNDING || high > SET_POINTS[i].high + ROUNDING) {
+            (void)snprintf(message, size, "%s would go from %g to %g %s, its range is %g .. %g: make the motion smaller",
+                SET_POINTS[i].name, low, high, SET_POINTS[i].unit, SET_POINTS[i].low, SET_POINTS[i].high);
+            return -1;
+        }
+        if (motion->kind == MOTION_STEP && fabs(motion->a[i]) * LIMITS[i].acceleration > pow(LIMITS[i].speed, 2.0)) {
+            (void)snprintf(message, size, "the step of %s is %g %s, and %g is the largest that keeps its speed: use move",
+                SET_POINTS[i].name, motion->a[i], SET_POINTS[i].unit, pow(LIMITS[i].speed, 2.0) / LIMITS[i].acceleration);
+            return -1;
+        }
+        last[i] = motion->from[i];
+    }
+    for (long k = 1; k <= samples + 1 && motion->kind != MOTION_STEP; k++) {
+        motion_at(motion, (double)k * STAGE_PERIOD_S, r);
+        for (int i = 0; i < N_SET_POINTS; i++) {
+            const double v = (r[i] - last[i]) / STAGE_PERIOD_S, a = (v - speed[i]) / STAGE_PERIOD_S;
+            const double slack = 1.0 + 1e-3;
+            if (fabs(v) > slack * LIMITS[i].speed || fabs(a) > slack * LIMITS[i].acceleration) {
+                const int fast = fabs(v) > slack * LIMITS[i].speed;
+                (void)snprintf(message, size, "%s of %s would be %.3g %s/%s, the machine follows %.3g: make it slower",
+                    fast ? "the speed" : "the acceleration", SET_POINTS[i].name, fast ? fabs(v) : fabs(a),
+                    SET_POINTS[i].unit, fast ? "s" : "s^2", fast ? LIMITS[i].speed : LIMITS[i].acceleration);
+                return -1;
+            }
+            speed[i] = v;
+            last[i] = r[i];
+        }
+    }
+    return 0;
+}
+
+/* The words after the kind: names with as many numbers each as there are columns. */
+static int fill(char *words[], int count, double *columns[], int n, char *message, size_t size)
+{
+    for (int k = 0; k < count; k += n + 1) {
+        const int i = set_point_index(words[k]);
+        if (i < 0) {
+            (void)snprintf(message, size, "there is no set-point '%.40s': see `names`", words[k]);
+            return -1;
+        }
+        for (int c = 0; c < n; c++) {
+            if (k + c + 1 >= count || parse_number(words[k + c + 1], &columns[c][i]) != 0) {
+                (void)snprintf(message, size, "'%s' needs %d finite number(s) after its name", SET_POINTS[i].name, n);
+                return -1;
+            }
+        }
+    }
+    return 0;
+}
+
+static const struct {
+    const char *name;
+    kind_t kind;
+    int tail, pair; /* numbers after the names; 1 for two axes with a radius each, 2 with a common one */
+} KINDS[] = {
+    {"step", MOTION_STEP, 0, 0}, {"move", MOTION_MOVE, 0, 0}, {"ramp", MOTION_RAMP, 1, 0}, {"sine", MOTION_SINE, 2, 0},
+    {"zigzag", MOTION_ZIGZAG, 2, 0}, {"circle", MOTION_ELLIPSE, 3, 2}, {"ellipse", MOTION_ELLIPSE, 2, 1},
+};
+enum { N_KINDS = sizeof KINDS / sizeof KINDS[0] };
+
+int motion_parse(char *words[], int count, const double from[], motion_t *motion, char *message, size_t size)
+{
+    double to[SET_POINTS_SIZE] = {0.0}, tail[3] = {0.0};
+    int k = 0;
+    while (k < N_KINDS && (count == 0 || strcmp(KINDS[k].name, words[0]) != 0)) k++;
+    if (k == N_KINDS) {
+        (void)snprintf(message, size, "there is no command '%.40s': see `help`", count ? words[0] : "");
+        return -1;
+    }
+    const int names = count - 1 - KINDS[k].tail, wanted_tail = KINDS[k].tail;
+    const int transition = KINDS[k].kind <= MOTION_RAMP;
+    if (names < (KINDS[k].pair ? 2 : 1)) {
+        (void)snprintf(message, size, "'%s' has too few words: see `help`", KINDS[k].name);
+        return -1;
+    }
+    for (int c = 0; c < wanted_tail; c++) {
+        if (parse_number(words[1 + names + c], &tail[c]) != 0 || !(tail[c] > 0.0)) {
+            (void)snprintf(message, size, "'%.40s' is not a positive number", words[1 + names + c]);
+            return -1;
+        }
+    }
+    *motion = (motion_t){.kind = KINDS[k].kind};
+    memcpy(motion->from, from, sizeof motion->from);
+    memcpy(to, from, sizeof to);
+    if (KINDS[k].pair == 2) {
+        const int x = set_point_index(words[1]), y = set_point_index(words[2]);
+        if (names != 2 || x < 0 || y < 0 || x == y) {
+            (void)snprintf(message, size, "a circle needs two set-points: circle X Y RADIUS HZ CYCLES");
+            return -1;
+        }
+        motion->b[x] = motion->a[y] = tail[0];
+    } else {
+        double *columns[1] = {transition ? to : motion->a};
+        if (fill(words + 1, names, columns, 1, message, size) != 0) return -1;
+        if (KINDS[k].pair == 1) {
+            const int x = set_point_index(words[1]);
+            if (names != 4 || strcmp(words[1], words[3]) == 0) {
+                (void)snprintf(message, size, "an ellipse needs two set-points: ellipse X RX Y RY HZ CYCLES");
+                return -1;
+            }
+            motion->b[x] = motion->a[x];
+            motion->a[x] = 0.0;
+        }
+    }
+    if (transition) {
+        const motion_t move = motion_move(from, to);
+        memcpy(motion->a, move.a, sizeof motion->a);
+        motion->duration = (motion->kind == MOTION_MOVE) ? move.duration : (motion->kind == MOTION_RAMP) ? tail[0] : 0.0;
+    } else {
+        motion->frequency = tail[wanted_tail - 2];
+        motion->duration = ceil(tail[wanted_tail - 1]) / motion->frequency;
+    }
+    if (motion->duration > LONGEST_S) {
+        (void)snprintf(message, size, "the motion would take %g s, at most %g s are checked", motion->duration, LONGEST_S);
+        return -1;
+    }
+    return check(motion, message, size);
+}

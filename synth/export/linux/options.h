@@ -1,0 +1,27 @@
+/* The command line. */
+#ifndef OPTIONS_H
+#define OPTIONS_H
+
+#include <stdint.h>
+
+#include "io.h"
+
+enum { MOTIONS = 16 };
+typedef enum { LATE_COUNT, LATE_HOLD, LATE_SAFE } late_t;
+
+typedef struct {
+    const io_t *io;
+    io_options_t back_end;
+    const char *run, *record, *replay, *motions[MOTIONS];
+    int motion_count, cpu;
+    long lockstep;         /* samples without real time; 0 for the clock */
+    double seconds;        /* of the run; 0 for no end */
+    double stall_s;        /* after which the watchdog kills the loop */
+    late_t late;
+    uint64_t late_limit;   /* missed periods in a row */
+} options_t;
+
+/* Read the command line. Return 0, or -1 after a message. */
+int options_read(int count, char *words[], options_t *options);
+
+#endif

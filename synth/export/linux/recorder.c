@@ -1,0 +1,159 @@
+#include "recorder.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stdio.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { SIZE = 4096, TEXT = 1 << 16, LINE = 64 + 24 * (N_SENSORS + SET_POINTS_SIZE + N_OUTPUTS + 4) };
+
+/* `head` is written by the loop alone and `tail` by the thread alone; both count records since the start. */
+static struct {
+    record_t records[SIZE];
+    uint64_t head, tail, dropped;
+    int file, open, ending, error; /* file: -1 for none; open: the loop records; ending: the thread is to close the file */
+    char text[TEXT];
+    pthread_t thread;
+    int finish;
+} ring = {.file = -1};
+
+int recorder_is_open(void) { return __atomic_load_n(&ring.open, __ATOMIC_ACQUIRE); }
+int recorder_error(void) { return __atomic_load_n(&ring.error, __ATOMIC_ACQUIRE); }
+uint64_t recorder_dropped(void) { return __atomic_load_n(&ring.dropped, __ATOMIC_RELAXED); }
+
+void recorder_push(const record_t *record, int wait)
+{
+    if (!recorder_is_open()) return;
+    const uint64_t head = __atomic_load_n(&ring.head, __ATOMIC_RELAXED);
+    while (head - __atomic_load_n(&ring.tail, __ATOMIC_ACQUIRE) == SIZE) {
+        if (!wait || recorder_error()) {
+            (void)__atomic_add_fetch(&ring.dropped, 1u, __ATOMIC_RELAXED);
+            return;
+        }
+        (void)sched_yield();
+    }
+    ring.records[head % SIZE] = *record;
+    __atomic_store_n(&ring.head, head + 1u, __ATOMIC_RELEASE);
+}
+
+static size_t print_signals(char *text, const signal_t signals[], int count)
+{
+    size_t n = 0;
+    for (int i = 0; i < count; i++) {
+        n += (size_t)snprintf(text + n, 256, ",%s [%s]", signals[i].name, signals[i].unit);
+    }
+    return n;
+}
+
+static size_t print_values(char *text, const double values[], int count)
+{
+    size_t n = 0;
+    /* Nine digits give back the single-precision value that the controller reads or returns. */
+    for (int i = 0; i < count; i++) n += (size_t)snprintf(text + n, 24, ",%.9g", (double)(float)values[i]);
+    return n;
+}
+
+static size_t print_record(char *text, const record_t *r)
+{
+    size_t n = (size_t)snprintf(text, LINE, "%.9f", r->t);
+    n += print_values(text + n, r->sensors, N_SENSORS);
+    n += print_values(text + n, r->set_points, N_SET_POINTS);
+    n += print_values(text + n, r->outputs, N_OUTPUTS);
+    return n + (size_t)snprintf(text + n, 64, ",%u,%u,%.0f\n", (unsigned)r->faults, (unsigned)r->phase, r->missed);
+}
+
+static void write_text(const char *text, size_t size)
+{
+    const int file = __atomic_load_n(&ring.file, __ATOMIC_ACQUIRE);
+    while (size > 0u && file >= 0 && !recorder_error()) {
+        const ssize_t n = write(file, text, size);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) __atomic_store_n(&ring.error, n < 0 ? errno : ENOSPC, __ATOMIC_RELEASE);
+        else {
+            text += n;
+            size -= (size_t)n;
+        }
+    }
+}
+
+/* Write what is in the ring; after a failed write, discard it. */
+static void drain(void)
+{
+    const uint64_t head = __atomic_load_n(&ring.head, __ATOMIC_ACQUIRE);
+    uint64_t tail = __atomic_load_n(&ring.tail, __ATOMIC_RELAXED);
+    while (tail != head) {
+        size_t n = 0;
+        for (; tail != head && n + LINE < TEXT; tail++) n += print_record(ring.text + n, &ring.records[tail % SIZE]);
+        __atomic_store_n(&ring.tail, tail, __ATOMIC_RELEASE);
+        write_text(ring.text, n);
+    }
+}
+
+static void write_names(void)
+{
+    size_t n = (size_t)snprintf(ring.text, TEXT, "t [s]");
+    n += print_signals(ring.text + n, SENSORS, N_SENSORS);
+    n += print_signals(ring.text + n, SET_POINTS, N_SET_POINTS);
+    n += print_signals(ring.text + n, OUTPUTS, N_OUTPUTS);
+    n += (size_t)snprintf(ring.text + n, TEXT - n, ",faults [1],phase [1],missed [1]\n");
+    write_text(ring.text, n);
+}
+
+static void *run(void *ignored)
+{
+    int named = 0;
+    const struct timespec pause = {.tv_nsec = 5000000};
+    for (;;) {
+        const int finish = __atomic_load_n(&ring.finish, __ATOMIC_ACQUIRE);
+        const int ending = finish || __atomic_load_n(&ring.ending, __ATOMIC_ACQUIRE);
+        const int file = __atomic_load_n(&ring.file, __ATOMIC_ACQUIRE);
+        if (file >= 0 && !named) write_names();
+        named = file >= 0;
+        drain();
+        if ((ending || recorder_error()) && file >= 0) {
+            __atomic_store_n(&ring.open, 0, __ATOMIC_RELEASE);
+            drain();
+            (void)close(file);
+            __atomic_store_n(&ring.file, -1, __ATOMIC_RELEASE);
+            __atomic_store_n(&ring.ending, 0, __ATOMIC_RELEASE);
+            named = 0;
+        }
+        if (finish) return ignored;
+        (void)nanosleep(&pause, NULL);
+    }
+}
+
+int recorder_start(void)
+{
+    if (pthread_create(&ring.thread, NULL, run, NULL) == 0) return 0;
+    (void)fprintf(stderr, "recorder: no thread could be started: allow this user more processes\n");
+    return -1;
+}
+
+int recorder_open(const char *path)
+{
+    struct stat there;
+    if (__atomic_load_n(&ring.file, __ATOMIC_ACQUIRE) >= 0) return EBUSY;
+    if (stat(path, &there) == 0 && S_ISREG(there.st_mode)) return EEXIST;
+    const int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    if (file < 0) return errno;
+    __atomic_store_n(&ring.error, 0, __ATOMIC_RELEASE);
+    __atomic_store_n(&ring.file, file, __ATOMIC_RELEASE);
+    __atomic_store_n(&ring.open, 1, __ATOMIC_RELEASE);
+    return 0;
+}
+
+void recorder_stop(void)
+{
+    if (recorder_is_open()) __atomic_store_n(&ring.ending, 1, __ATOMIC_RELEASE);
+}
+
+void recorder_finish(void)
+{
+    __atomic_store_n(&ring.finish, 1, __ATOMIC_RELEASE);
+    (void)pthread_join(ring.thread, NULL);
+}

@@ -1,0 +1,69 @@
+#include "watchdog.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+
+#include "realtime.h"
+
+#define LONGEST_S 10.0 /* until the outputs are safe */
+
+static volatile sig_atomic_t loop_process;
+
+static void forward(int number)
+{
+    (void)kill((pid_t)loop_process, number);
+}
+
+static void pause_ns(long ns)
+{
+    const struct timespec pause = {.tv_nsec = ns};
+    (void)nanosleep(&pause, NULL);
+}
+
+static void make_safe(machine_t *machine, const io_t *io)
+{
+    int there = !machine->enabled;
+    for (double t = 0.0; t < LONGEST_S && !there; t += STAGE_PERIOD_S) {
+        there = machine_make_safe(machine);
+        (void)io->write(machine->outputs, 1);
+        pause_ns(STAGE_PERIOD_NS);
+    }
+    (void)io->write(machine->outputs, 0);
+    (void)fprintf(stderr, "watchdog: the outputs are %s\n", there ? "safe" : "NOT SAFE");
+}
+
+int watchdog_run(shared_t *shared, const io_t *io, pid_t loop, double stall_s)
+{
+    struct sigaction action = {.sa_handler = forward};
+    uint64_t last = 0u;
+    int64_t since = realtime_now();
+    int status;
+    loop_process = (sig_atomic_t)loop;
+    (void)sigaction(SIGTERM, &action, NULL);
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGHUP, &action, NULL);
+    for (;;) {
+        const uint64_t beat = __atomic_load_n(&shared->beat, __ATOMIC_ACQUIRE);
+        if (waitpid(loop, &status, WNOHANG) == loop) {
+            if (WIFEXITED(status)) return WEXITSTATUS(status);
+            (void)fprintf(stderr, "watchdog: the loop died of signal %d (%s)\n", WTERMSIG(status), strsignal(WTERMSIG(status)));
+            break;
+        }
+        if (beat != last || beat == 0u) since = realtime_now();
+        last = beat;
+        if ((double)(realtime_now() - since) > stall_s * 1e9) {
+            (void)fprintf(stderr, "watchdog: the loop has stood still for %.0f ms and is killed\n", stall_s * 1e3);
+            /* Before the first safe output: a loop that goes on would overwrite it. */
+            (void)kill(loop, SIGKILL);
+            (void)waitpid(loop, &status, 0);
+            break;
+        }
+        pause_ns(1000000L);
+    }
+    make_safe(&shared->machine, io);
+    io->close();
+    return 3;
+}

@@ -1,0 +1,159 @@
+"""An export as a whole: the files of a project around the unchanged step, by path; `save` alone writes to disk.
+
+    controller/   the emitted steps, unchanged        src/       the loop, the same for every stage, and its tables
+    vectors/      inputs, outputs, fault words        io_user.c, channels.toml    the user's: written once
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+
+from synth import store
+from synth.declaration import Stage
+from synth.emit.write import EmittedCode
+from synth.errors import DesignError
+from synth.execute import host
+from synth.export import limits, plant_files, wiring
+from synth.simulate import rig as rigs
+
+TARGETS = ("linux",)
+TOP = ("Makefile", "CMakeLists.txt", "README.md", "io_user.c", "channels.toml")
+USERS = ("io_user.c", "channels.toml")  # an export never overwrites them
+FULL_SCALE = 10.0  # V: of the channels in a new channels.toml, over the range of a signal
+
+
+@dataclass(frozen=True)
+class Project:
+    """The files of an export, texts and binary vectors, by path."""
+
+    files: Mapping[str, str | bytes]
+
+    def save(self, folder: Path) -> list[str]:
+        """Write the files below `folder`; return the paths of the user's files that are there and stay as they are."""
+        kept = [name for name in USERS if (folder / name).exists()]
+        for name, content in self.files.items():
+            path = folder / name
+            if name in kept:
+                continue
+            path.parent.mkdir(parents=True, exist_ok=True)
+            store.replace_bytes(path, content.encode("utf-8") if isinstance(content, str) else content)
+        return kept
+
+
+def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Project:
+    """Return the project of a stage for a target, from the emitted code of its folders.
+
+    Raises DesignError for another target and for a step that is not among the emitted code, WiringError for an input of
+    the drive that nothing gives.
+    """
+    if target not in TARGETS:
+        raise DesignError(f"the target of the export is '{target}': choose one of {', '.join(TARGETS)}")
+    manifests = {folder: code.manifest for folder, code in emitted.items()}
+    needed = [stage.name, *(block.name for block in (stage.drive.blocks if stage.drive else ()))]
+    if missing := [name for name in needed if name not in emitted]:
+        raise DesignError(
+            f"design '{stage.name}': its drive '{missing[0]}' is not among what it emits ({', '.join(emitted)}): "
+            "declare it as a Companion, too"
+        )
+    code, recorded = {}, {}
+    for name in needed:
+        code |= {f"controller/{file}": text for file, text in host.code(emitted[name].files).items()}
+        recorded[f"vectors/{name}.bin"] = _vectors(emitted[name])
+    rig = rigs.of_stage(stage, host.load(emitted[stage.name].files, emitted[stage.name].manifest))
+    facts, model = _facts(stage, manifests, rig)
+    return Project({**code, **recorded, **{f"src/{n}": t for n, t in model.items()}, **_render(facts)})
+
+
+def _render(facts: Mapping[str, Any]) -> dict[str, str]:
+    """Return the project's own files: templates filled in, and those that are the same for every stage."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("synth.export", "linux"), undefined=jinja2.StrictUndefined, keep_trailing_newline=True
+    )
+    files = {}
+    for file in resources.files("synth.export").joinpath("linux").iterdir():
+        name = file.name.removesuffix(".j2")
+        text = environment.get_template(file.name).render(facts) if file.name.endswith(".j2") else file.read_text("utf-8")
+        files[name if name in TOP else f"src/{name}"] = text
+    return files
+
+
+def _vectors(code: EmittedCode) -> bytes:
+    """Return the test vectors of a step, sample by sample: input struct, output struct, fault word.
+
+    Decimal numbers of the document read back as the bits of its scalar type.
+    """
+    inputs, outputs = (host.dtype(role, code.manifest) for role in ("input", "output"))
+    document = json.loads(code.files["vectors.json"])
+    n = len(document["faults"])
+    rows = np.zeros(n, np.dtype([("in", inputs), ("out", outputs), ("faults", np.uint32)]))
+    rows["in"] = host.records(code.manifest, inputs, document["inputs"], n)
+    for name, column in document["outputs"].items():
+        rows["out"][name] = column
+    rows["faults"] = document["faults"]
+    return rows.tobytes()
+
+
+def _facts(
+    stage: Stage, manifests: Mapping[str, Mapping[str, Any]], rig: rigs.Rig
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return what the templates show, and the C of the plant."""
+    manifest, interface = manifests[stage.name], stage.interface
+    period_s, real = manifest["period_s"], "float" if manifest["scalar"] == "float32" else "double"
+    read = {f["name"]: f for f in wiring.members(manifest, "input")}
+    outputs = wiring.outputs(stage, manifests)
+    home = rig.set_points_at({})
+    least = limits.of_stage(stage, rig.positions, home)
+    sensors = [
+        _signal(read[s.name]) | {"rest": repr(plant_files.rest(read[s.name]["low"], read[s.name]["high"], s.resolution, s.noise))}
+        for s in interface.sensors
+    ]
+    names = [s.name for s in interface.sensors]
+    set_points = [
+        _signal(read[p.name])
+        | {"home": repr(home[p.name]), "pose": wiring.pose(stage, p.of, names)}
+        | {key: repr(value) for key, value in least[p.name]._asdict().items()}
+        for p in interface.set_points
+    ]
+    safety = manifest["safety"] or {"safe_output": {}, "slew_per_s": {}}
+    safe = [
+        {"name": n, "value": repr(float(v)), "step": repr(safety["slew_per_s"][n] * period_s)}
+        for n, v in safety["safe_output"].items()
+    ]
+    blocks = wiring.steps(stage, manifests)
+    model, sizes = plant_files.model(rig)
+    facts = {
+        "name": stage.name,
+        "period_s": repr(period_s),
+        "period_ns": round(1e9 * period_s),
+        "delay": interface.delay,
+        "real": real,
+        "missed_calls": interface.missed_calls.name if interface.missed_calls else "",
+        "blocks": blocks,
+        "controller": blocks[0],
+        "set_points": set_points,
+        "outputs": [_signal(f) | {"source": f["source"]} for f in outputs],
+        "faults": [_fault(f) for f in manifest["faults"]],
+        "safe": safe,
+    }
+    tables = plant_files.tables(rig, [f["name"] for f in outputs], sizes)
+    facts["sensors"] = [a | b for a, b in zip(sensors, tables.pop("sensors"), strict=True)]
+    return facts | tables, model
+
+
+def _signal(field: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a signal as the templates show it, with the scale of a channel that spans its range."""
+    low, high = float(field["low"]), float(field["high"])
+    scale = {"scale": f"{(high - low) / 2 / FULL_SCALE:.9g}", "middle": f"{(high + low) / 2:.9g}"}
+    return {"name": field["name"], "unit": field["unit"], "low": repr(low), "high": repr(high), **scale}
+
+
+def _fault(fault: Mapping[str, Any]) -> dict[str, Any]:
+    text = "latched" if fault.get("latched") else fault.get("input") or fault.get("about", "")
+    text = f"{fault['suspect']} suspect" if "suspect" in fault else text
+    return {"bit": fault["bit"], "status": int(fault.get("status", False)), "text": text.replace('"', "'")}
