@@ -26,7 +26,7 @@ static void look(machine_t *machine, const double sensors[])
         quiet &= fabs(sensors[i] - machine->at_rest[i]) <= SENSORS[i].rest;
     }
     machine->good = good ? machine->good + 1u : 0u;
-    machine->quiet = quiet ? machine->quiet + 1u : 0u;
+    machine->quiet = (good && quiet) ? machine->quiet + 1u : 0u;
     if (!quiet) memcpy(machine->at_rest, sensors, sizeof machine->at_rest);
     memcpy(machine->sensors, sensors, sizeof machine->sensors);
 }

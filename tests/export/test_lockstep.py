@@ -1,0 +1,63 @@
+"""In lock step an exported loop computes what `synth simulate` does, bit for bit: the same C, plant, sensors, noise.
+
+Both compile the same functions with one compiler; only the loop around them differs.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from synth.execute import host
+from synth.export import records
+from synth.simulate import rig
+from synth.simulate.scenario import Trajectory
+from tests.export import harness
+
+pytestmark = pytest.mark.slow
+
+MOTIONS = {
+    "levitator_2dof": ["sine z_ref 2e-4 10 3", "circle z_ref x_ref 1e-4 5 2", "step x_ref 1e-4"],
+    "maglev_5dof": ["move y_ref 0.024 x_ref 1e-3", "zigzag z_ref 1e-4 2 2"],
+    "maglev_5dof_precise": ["ramp y_ref 0.026 0.3", "ellipse x_ref 1e-3 z_ref 2e-3 2 2"],
+    "planar_6dof_leadlag": ["move x_ref 1e-3 phi_ref 1e-4", "sine y_ref 1e-4 5 2"],
+    "planar_6dof_lqg": ["move x_ref 1e-3", "circle x_ref y_ref 1e-4 2 2"],
+    "hall_position": [],
+}
+SAMPLES = 3000
+REGULAR = ("levitator_2dof", "maglev_5dof")  # of `make test`: with and without a drive
+
+
+@pytest.mark.parametrize(
+    "name", [n if n in REGULAR else pytest.param(n, marks=pytest.mark.whole) for n in MOTIONS]
+)
+def test_a_loop_in_lock_step_equals_the_simulation(name: str, tmp_path: Path) -> None:
+    folder = harness.export(name, tmp_path)
+    harness.build(folder)
+    assert harness.call(folder, "--replay", "vectors", name=name).returncode == 0
+    words = [word for motion in MOTIONS[name] for word in ("--motion", motion)]
+    done = harness.call(folder, "--lockstep", str(SAMPLES), "--record", "run.csv", *words, name=name)
+    assert done.returncode == 0, done.stderr
+    log = records.read(folder / "run.csv")
+    assert len(log) == SAMPLES
+    run = simulated(name, log.samples)
+    moved = [p for p in run.measured if p.endswith("_ref") and np.ptp(run.measured[p]) > 0]
+    assert len(moved) >= len(MOTIONS[name]) - 1
+    for group in (run.measured, run.driven or run.commands):
+        for column in group:
+            if column != "missed_calls":
+                np.testing.assert_array_equal(log.samples[column].astype(np.float32), group[column], column)
+    np.testing.assert_array_equal(log.samples["faults"].astype(np.uint32), run.faults | run.status)
+
+
+def simulated(name: str, recorded: dict[str, np.ndarray]) -> Trajectory:
+    """Return the run of `synth simulate`'s rig under the set-points and the noise of a recorded loop."""
+    stage = harness.stage(name)
+    code = harness.emitted(name)[name]
+    simulator = rig.of_stage(stage, host.load(code.files, code.manifest))
+    noisy = [s for s in stage.interface.sensors if s.noise]
+    normal = harness.normals(1, SAMPLES * len(noisy)).reshape(SAMPLES, len(noisy)).T
+    noise = {s.name: s.noise * row for s, row in zip(noisy, normal, strict=True)}
+    set_points = {p.name: recorded[p.name] for p in stage.interface.set_points}
+    options = {"noise": noise} if noise else {}
+    return simulator.run(SAMPLES * simulator.period_s, references=set_points, **options)

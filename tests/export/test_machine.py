@@ -1,0 +1,259 @@
+"""The state machine in real time: start, stop, and every way to lose the loop, its sensors, its disk or its client."""
+
+import mmap
+import os
+import resource
+import signal
+import struct
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from synth.export import records
+from tests.export import harness
+
+pytestmark = pytest.mark.slow
+
+STALL = ("--stall", "1000")  # ms: a busy machine stands still for some hundred
+HEADER = 5  # words of shared memory before the sensors
+PLANT = ("--io", "plant", *STALL)
+
+
+class Memory:
+    """The machine behind `--io shm`: two sensors at rest, and what the loop gives."""
+
+    def __init__(self, path: Path) -> None:
+        with path.open("wb") as file:
+            file.write(bytes(8 * (HEADER + 4)))
+        self.file = path.open("r+b")
+        self.words = mmap.mmap(self.file.fileno(), 0)
+
+    def sense(self, *values: float) -> None:
+        struct.pack_into("2d", self.words, 8 * HEADER, *values)
+
+    @property
+    def outputs(self) -> tuple[float, ...]:
+        return struct.unpack_from("2d", self.words, 8 * (HEADER + 2))
+
+    @property
+    def enabled(self) -> int:
+        return int(struct.unpack_from("Q", self.words, 8 * 3)[0])
+
+    def wait_safe(self) -> None:
+        end = time.monotonic() + 20
+        while (self.enabled or self.outputs != (0.0, 0.0)) and time.monotonic() < end:
+            time.sleep(0.01)
+        assert not self.enabled and self.outputs == (0.0, 0.0)
+
+
+@pytest.fixture
+def memory(loop: Path) -> Memory:
+    return Memory(loop / "io")
+
+
+SHM = ("--io", "shm", "--memory", "io", *STALL)
+
+
+def test_a_rehearsal_lifts_off_moves_and_sets_down(loop: Path) -> None:
+    done = harness.call(loop, *PLANT, "--seconds", "2", "--motion", "sine z_ref 1e-4 10 3", "--record", "run.csv")
+    assert done.returncode == 0, done.stderr
+    for phase in ("enabling", "starting", "running", "disabled: the run is over"):
+        assert f"levitator_2dof: {phase}\n" in done.stderr
+    log = records.read(loop / "run.csv")
+    z, phase = log.samples["z"], log.samples["phase"]
+    assert z[0] < -5.9e-4 and abs(z[phase == 3][-1]) < 1e-6, "from its stop to the middle"
+    assert z[phase == 3].max() > 0.9e-4, "the sine"
+    assert log.samples["i1"][-1] == 0.0 and phase[-1] == 6.0
+    assert records.units(loop / "run.csv")["i1"] == "A"
+
+
+def test_missed_periods_are_counted_and_the_rest_is_in_the_histogram(loop: Path) -> None:
+    done = harness.call(loop, *PLANT, "--seconds", "1")
+    samples = int(done.stderr.rsplit("levitator_2dof: ", 1)[1].split()[0])
+    missed = int(done.stderr.split(" samples, ")[1].split()[0])
+    bins = sum(int(line.rsplit(": ", 1)[1]) for line in done.stderr.splitlines() if line.startswith("  late by"))
+    assert bins == samples and samples + missed >= 2000
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_makes_the_outputs_safe_and_ends(number: int, loop: Path, memory: Memory) -> None:
+    with harness.running(loop, *SHM) as running:
+        running.wait("phase=running")
+        assert memory.enabled
+        running.process.send_signal(number)
+        assert running.end() == 0
+    memory.wait_safe()
+    assert "disabled: the process was asked to end" in running.log
+
+
+def test_a_killed_loop_is_made_safe_by_the_watchdog(loop: Path, memory: Memory) -> None:
+    with harness.running(loop, *SHM) as running:
+        memory.sense(1e-4, 0.0)
+        running.wait("phase=running")
+        running.wait("i1=-", "position")
+        assert memory.outputs[0] != 0.0
+        os.kill(running.child, signal.SIGKILL)
+        assert running.end() == 3
+    memory.wait_safe()
+    assert "watchdog: the loop died of signal 9" in running.log and "the outputs are safe" in running.log
+
+
+def test_a_loop_that_stands_still_is_killed_and_made_safe(loop: Path, memory: Memory) -> None:
+    with harness.running(loop, *SHM) as running:
+        running.wait("phase=running")
+        child = running.child
+        os.kill(child, signal.SIGSTOP)
+        assert running.end() == 3
+    memory.wait_safe()
+    assert "has stood still for 1000 ms and is killed" in running.log
+    assert not Path(f"/proc/{child}").exists()
+
+
+def test_a_loop_without_its_watchdog_stops(loop: Path, memory: Memory) -> None:
+    with harness.running(loop, *SHM) as running:
+        running.wait("phase=running")
+        child = running.child
+        running.process.kill()
+        memory.wait_safe()
+        end = time.monotonic() + 20
+        while Path(f"/proc/{child}").exists() and time.monotonic() < end:
+            time.sleep(0.01)
+    assert "the process was asked to end" in running.log
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 1.0])
+def test_bad_sensors_latch_and_only_a_start_at_rest_goes_on(bad: float, loop: Path, memory: Memory) -> None:
+    with harness.running(loop, *SHM) as running:
+        running.wait("phase=running")
+        memory.sense(bad, 0.0)
+        status = running.wait("phase=disabled")
+        assert "latched_by=0x80000001 (z, latched)" in status and "reason=the controller latched" in status
+        memory.wait_safe()
+        assert "a start needs a disabled machine at rest" in running.ask("start")  # the sensor is still bad
+        memory.sense(0.0, 0.0)
+        time.sleep(0.5)
+        assert running.ask("start") == "ok"
+        running.wait("phase=running")
+
+
+def test_it_waits_for_good_sensors(loop: Path, memory: Memory) -> None:
+    memory.sense(float("nan"), 0.0)
+    with harness.running(loop, *SHM) as running:
+        running.wait("phase=waiting")
+        time.sleep(0.5)
+        assert "phase=waiting" in running.ask("status") and not memory.enabled
+        memory.sense(0.0, 0.0)
+        running.wait("phase=running")
+
+
+def test_the_set_points_start_at_the_measured_pose(loop: Path, memory: Memory) -> None:
+    """And travel from there to where the machine works, which takes time."""
+    memory.sense(-3e-4, 5e-4)
+    done = harness.call(loop, *SHM, "--seconds", "1", "--record", "run.csv")
+    log = records.read(loop / "run.csv")
+    enabled = log.samples["phase"] == 1
+    assert log.samples["z_ref"][enabled][-1] == pytest.approx(-3e-4) and done.returncode == 0
+    assert log.samples["x_ref"][enabled][-1] == pytest.approx(5e-4)
+    assert log.samples["z_ref"][log.samples["phase"] == 3][-1] == 0.0
+
+
+def test_a_second_instance_is_refused(loop: Path) -> None:
+    with harness.running(loop, *PLANT) as running:
+        running.wait("phase=running")
+        second = harness.call(loop, *PLANT)
+        assert second.returncode == 2 and "another instance drives the machine: stop it first" in second.stderr
+        assert "phase=running" in running.ask("status")
+
+
+def test_a_full_disk_makes_the_outputs_safe(loop: Path, memory: Memory) -> None:
+    with harness.running(loop, *SHM) as running:
+        running.wait("phase=running")
+        assert running.ask("record /dev/full") == "ok"
+        assert running.end() == 1
+    memory.wait_safe()
+    assert "disabled: the recording could not be written" in running.log
+
+
+def test_a_disk_that_fills_up_makes_the_outputs_safe(loop: Path) -> None:
+    limit = resource.prlimit(0, resource.RLIMIT_FSIZE)
+    with harness.running(loop, *PLANT) as running:
+        running.wait("phase=running")
+        resource.prlimit(running.child, resource.RLIMIT_FSIZE, (20_000, limit[1]))
+        assert running.ask("record run.csv") == "ok"
+        assert running.end() == 1
+    assert "the recording could not be written" in running.log
+
+
+def test_a_supervising_client_that_dies_stops_the_machine(loop: Path, memory: Memory) -> None:
+    with harness.running(loop, *SHM) as running:
+        running.wait("phase=running")
+        other = running.connect()
+        harness.ask(other, "status")
+        other.close()
+        time.sleep(0.2)
+        assert "phase=running" in running.ask("status"), "any other client may leave"
+        supervisor = running.connect()
+        assert harness.ask(supervisor, "supervise") == "ok"
+        supervisor.close()
+        running.wait("reason=the supervising client is gone")
+        memory.wait_safe()
+
+
+def test_missed_periods_stop_the_machine_where_that_is_asked_for(loop: Path, memory: Memory) -> None:
+    with harness.running(loop, *SHM[:-1], "5000", "--late", "safe:400") as running:
+        running.wait("phase=running")
+        os.kill(running.child, signal.SIGSTOP)
+        time.sleep(0.5)
+        os.kill(running.child, signal.SIGCONT)
+        status = running.wait("phase=disabled")
+        assert "reason=too many periods were missed in a row" in status
+        assert int(status.split("missed=")[1].split()[0]) >= 400
+        memory.wait_safe()
+
+
+def test_missed_periods_hold_a_motion_where_that_is_asked_for(loop: Path) -> None:
+    with harness.running(loop, "--stall", "5000", "--late", "hold", "--motion", "sine z_ref 1e-4 1 600") as running:
+        running.wait("moving=1")
+        os.kill(running.child, signal.SIGSTOP)
+        time.sleep(0.3)
+        os.kill(running.child, signal.SIGCONT)
+        running.wait("phase=running moving=0")
+
+
+def test_a_hold_stays_on_the_path(loop: Path) -> None:
+    with harness.running(loop, *PLANT, "--record", "run.csv") as running:
+        running.wait("phase=running moving=0")
+        assert running.ask("circle z_ref x_ref 2e-4 2 100") == "ok"
+        running.wait("moving=1")
+        time.sleep(0.8)
+        assert "needs a running machine at rest" in running.ask("move z_ref 0")
+        assert running.ask("hold") == "ok"
+        running.wait("phase=running moving=0")
+        assert running.ask("move z_ref 0 x_ref 0") == "ok"
+        running.wait("z_ref=0 x_ref=0", "position")
+    log = records.read(loop / "run.csv")
+    radius = (log.samples["z_ref"] ** 2 + log.samples["x_ref"] ** 2) ** 0.5
+    assert radius[log.samples["phase"] == 3].max() == pytest.approx(2e-4, rel=1e-3)
+
+
+def test_a_client_program_prints_the_answer(loop: Path) -> None:
+    with harness.running(loop, *PLANT) as running:
+        running.wait("phase=running")
+        ask = [str(loop / "client"), "levitator_2dof.sock"]
+        done = subprocess.run([*ask, "status"], cwd=loop, capture_output=True, text=True)
+        assert done.returncode == 0 and done.stdout.startswith("ok phase=running")
+        refused = subprocess.run([*ask, "move", "z_ref", "1"], cwd=loop, capture_output=True, text=True)
+        assert refused.returncode == 1 and "its range is -0.0005 .. 0.0005" in refused.stdout
+    assert subprocess.run([*ask, "status"], cwd=loop, capture_output=True).returncode == 2
+
+
+def test_other_vectors_are_seen(loop: Path) -> None:
+    data = bytearray((loop / "vectors" / "levitator_2dof.bin").read_bytes())
+    data[17] ^= 1  # the last but two bits of an output
+    (loop / "other").mkdir()
+    (loop / "other" / "levitator_2dof.bin").write_bytes(data)
+    done = harness.call(loop, "--replay", "other")
+    assert done.returncode == 1 and "1 of 1000 samples differ" in done.stdout
+    assert harness.call(loop, "--replay", "nowhere").returncode == 1
