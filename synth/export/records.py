@@ -28,9 +28,9 @@ def read(path: Path, period_s: float | None = None) -> Log:
     table = np.empty((len(rows) - 1, len(names)))
     for k, row in enumerate(rows[1:]):
         try:
-            table[k] = [float(value) for value in row]
-        except ValueError as error:
-            raise SignalError(f"{path}, line {k + 2}: {error}, need {len(names)} numbers: cut the line off") from error
+            table[k] = [float(row[i]) for i in range(len(names))]
+        except (ValueError, IndexError) as error:
+            raise SignalError(f"{path}, line {k + 2}: found {row}, need {len(names)} numbers: cut it off") from error
     columns = dict(zip(names, table.T, strict=True))
     times = columns.pop("t")
     return Log(columns, period_s, None if period_s is None else times)

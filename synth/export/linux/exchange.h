@@ -20,7 +20,7 @@ typedef struct {
     const char *reason;
     uint32_t faults, latch_cause;
     int moving, may_start;
-    uint64_t calls;
+    uint64_t calls, commands;
     double sensors[N_SENSORS], set_points[SET_POINTS_SIZE], outputs[N_OUTPUTS];
     lateness_t late;
 } status_t;

@@ -24,6 +24,7 @@ typedef struct {
     phase_t phase;
     const char *reason; /* of the last stop */
     uint32_t faults, latch_cause;
+    uint64_t commands;             /* of clients, so far */
     uint64_t samples, good, quiet; /* in a row: in this phase or with these outputs, with good sensors, at rest */
     motion_t motion;
     double t, rate; /* time of the motion, and how fast it passes: 1, or on the way to 0 in a hold */

@@ -80,7 +80,7 @@ static void publish(const machine_t *m, uint64_t calls, const lateness_t *late)
 {
     status_t *const s = board_back(&board);
     *s = (status_t){.phase = m->phase, .reason = m->reason, .faults = m->faults, .latch_cause = m->latch_cause,
-        .moving = machine_is_moving(m), .may_start = machine_may_start(m), .calls = calls, .late = *late};
+        .moving = machine_is_moving(m), .may_start = machine_may_start(m), .calls = calls, .commands = m->commands, .late = *late};
     memcpy(s->sensors, m->sensors, sizeof s->sensors);
     memcpy(s->set_points, m->set_points, sizeof s->set_points);
     memcpy(s->outputs, m->outputs, sizeof s->outputs);
@@ -128,7 +128,10 @@ static int run(const options_t *options, shared_t *shared)
         if (STAGE_DELAY > 0 && sample >= QUEUE) failed |= options->io->write(queue[slot], enabled[slot]) != 0;
         const int read_failed = options->io->read(sensors) != 0;
         for (int i = 0; i < N_SENSORS && read_failed; i++) sensors[i] = NAN;
-        if (mailbox_take(&box, &command)) machine_command(m, &command);
+        if (mailbox_take(&box, &command)) {
+            machine_command(m, &command);
+            m->commands += 1u;
+        }
         if (next_motion < options->motion_count && m->phase == RUNNING && !machine_is_moving(m)) {
             machine_command(m, &(command_t){.order = COMMAND_MOTION, .motion = motions[next_motion++]});
         }

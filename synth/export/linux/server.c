@@ -11,11 +11,12 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "recorder.h"
 
-enum { CLIENTS = 8, LINE = 512, WORDS = 64, REPLY = 4096, POLL_MS = 20 };
+enum { CLIENTS = 8, LINE = 512, WORDS = 64, REPLY = 4096, POLL_MS = 20, PATIENCE = 5000 };
 
 typedef struct {
     int socket; /* -1: free */
@@ -85,9 +86,14 @@ static void reply_names(char *reply)
     }
 }
 
+/* Wait for the loop to obey, so that the next `status` shows what this command did. */
 static void send_order(char *reply, const command_t *command)
 {
-    add(reply, mailbox_put(server.box, command) == 0 ? "ok" : "error: the loop has not taken the last command yet: repeat");
+    const struct timespec pause = {.tv_nsec = 100000};
+    const uint64_t before = board_latest(server.board)->commands;
+    int waited = mailbox_put(server.box, command) == 0 ? 0 : PATIENCE;
+    for (; waited < PATIENCE && board_latest(server.board)->commands == before; waited++) (void)nanosleep(&pause, NULL);
+    add(reply, waited < PATIENCE ? "ok" : "error: the loop does not answer: look at its log");
 }
 
 static void reply_motion(char *reply, char *words[], int count, const status_t *s)

@@ -1,0 +1,184 @@
+"""The user's I/O through channels.toml, and Comedi against a stand-in for its library: scaling, limits, messages."""
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from synth.execute import compile as host_compiler
+from synth.export import records
+from tests.export import harness
+
+pytestmark = pytest.mark.slow
+
+CHANNELS = """device = "present"  # a comment
+[enable]
+channel = 3
+[sensor.z]
+channel = 1
+scale = 1e-4
+offset = -2e-4
+sign = 1
+[sensor.x]
+channel = 0
+scale = 1e-4
+sign = -1
+[actuator.i1]
+channel = 1
+scale = 0.1
+offset = 0.05
+[actuator.i2]
+channel = 0
+scale = 1e-3
+sign = -1
+low = -1
+high = 1
+"""
+RAW = """#include <stdio.h>
+#include "channels.h"
+static int k;
+int user_open(const channels_t *channels) { (void)channels; return 0; }
+int user_read(const channels_t *channels, double raw[])
+{
+    (void)channels;
+    raw[0] = (double)((k++ * 100) % 65536);
+    raw[1] = 0.0;
+    return 0;
+}
+int user_write(const channels_t *channels, const double raw[], int enabled)
+{
+    (void)channels;
+    (void)enabled;
+    return printf("%.9g %.9g\\n", raw[0], raw[1]) > 0 ? 0 : -1;
+}
+void user_close(void) { }
+"""
+
+
+@pytest.fixture
+def comedi(loop: Path) -> Path:
+    """A folder with the stand-in and its channels."""
+    source = Path(__file__).with_name("comedi.c").read_text()
+    (loop / "comedi.so").symlink_to(host_compiler.shared_library({"comedi.c": source}, ["-D_DEFAULT_SOURCE"]))
+    (loop / "channels.toml").unlink()
+    (loop / "channels.toml").write_text(CHANNELS)
+    return loop
+
+
+COMEDI = ("--io", "comedi", "--comedi", "./comedi.so", "--lockstep", "30", "--record", "run.csv")
+
+
+def test_comedi_reads_and_writes_volts_through_the_channels(comedi: Path) -> None:
+    done = harness.call(comedi, *COMEDI)
+    assert done.returncode == 0, done.stderr
+    log = records.read(comedi / "run.csv")
+    count = 20 / 65535  # V
+    np.testing.assert_allclose(log.samples["z"], 1e-4 * 2.0 - 2e-4, atol=1e-4 * count)
+    np.testing.assert_allclose(log.samples["x"], -1e-4 * 1.0, atol=1e-4 * count)
+    lines = (comedi / "comedi.log").read_text().splitlines()
+    volts = [float(line.split()[3]) for line in lines if line.startswith("write 2 1 ")]
+    np.testing.assert_allclose(volts[:3], (log.samples["i1"][:3] - 0.05) / 0.1, atol=count)
+    assert lines[2] == "line 4 3 1" and lines[-1] == "line 4 3 0", "enabled, and at the end not"
+    limited = [float(line.split()[3]) for line in lines if line.startswith("write 2 0 ")]
+    assert log.samples["i2"].max() > 1e-3 and np.min(limited) == pytest.approx(-1.0, abs=count), "its raw range"
+
+
+@pytest.mark.parametrize(
+    ("change", "words", "environment", "message"),
+    [
+        (("", ""), ("--comedi", "./absent.so"), {}, "install libcomedi, or give its path with --comedi"),
+        (('"present"', '"/dev/comedi9"'), (), {}, "the device '/dev/comedi9' cannot be opened: name it in channels"),
+        (("channel = 0", "channel = 9"), (), {}, "'x' of present: the board has no channel 9: correct channels.toml"),
+        (("", ""), (), {"NO_OUTPUTS": "1"}, "lacks analogue inputs, analogue outputs or the line that enables"),
+        (("[sensor.x]", "[sensor.y]"), (), {}, "channels.toml, line 9: sensor.y: is no sensor or actuator"),
+        (("scale = 1e-4\nsign", "scale = 0\nsign"), (), {}, "'x' has channel 0, scale 0, sign -1"),
+        (("sign = -1\n[act", "sign = -2\n[act"), (), {}, "a sign of 1 or -1"),
+        (("scale = 1e-4\noffset", "scale = nan\noffset"), (), {}, "line 6: nan: is not a finite number"),
+        (("scale = 1e-4\noffset", "scale 1e-4\noffset"), (), {}, "line 6: scale 1e-4: write `key = number`"),
+        (("scale = 1e-4\noffset", "size = 1e-4\noffset"), (), {}, "line 6: size: is not a key with this value"),
+        (("[enable]", ""), (), {}, "line 3: channel: stands before the first [section]"),
+    ],
+)
+def test_what_is_missing_is_said(
+    change: tuple[str, str], words: tuple[str, ...], environment: dict[str, str], message: str, comedi: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    text = (comedi / "channels.toml").read_text()
+    (comedi / "channels.toml").write_text(text.replace(*change, 1))
+    done = harness.call(comedi, *COMEDI, *words)
+    assert done.returncode == 2 and message in done.stderr
+    assert len(re.findall(r"\n", done.stderr)) == 1, "one message"
+
+
+def test_dead_inputs_stop_the_machine(comedi: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DEAD_INPUTS", "1")
+    done = harness.call(comedi, *COMEDI)
+    assert "disabled: the hardware could not be read or written" in done.stderr
+
+
+def test_a_counter_that_rolls_over_goes_on(built: Path, loop: Path) -> None:
+    """The user's own I/O, built into a copy of the project."""
+    folder = harness.export("levitator_2dof", loop / "own")
+    (folder / "io_user.c").write_text(RAW)
+    text = (folder / "channels.toml").read_text()
+    z = text.index("[sensor.z]")
+    cut = text.index("[sensor.x]")
+    mine = "[sensor.z]\nchannel = 0\nscale = 1e-9\nlow = 0\nhigh = 65535\nrollover = 65536\n"
+    (folder / "channels.toml").write_text(text[:z] + mine + text[cut:])
+    assert harness.project.project(harness.stage("levitator_2dof"), harness.emitted("levitator_2dof"), "linux").save(
+        folder
+    ) == ["io_user.c", "channels.toml"]
+    assert (folder / "io_user.c").read_text() == RAW
+    harness.build(folder)
+    done = harness.call(folder, "--io", "user", "--lockstep", "2000", "--record", "run.csv")
+    z_read = records.read(folder / "run.csv").samples["z"]
+    np.testing.assert_allclose(z_read, 1e-9 * 100 * np.arange(2000), atol=1e-10)
+    assert len(done.stdout.splitlines()) == 2000
+
+
+def test_an_io_user_that_is_not_filled_in_says_so(loop: Path) -> None:
+    done = harness.call(loop, "--io", "user")
+    assert done.returncode == 2 and "fill in its four functions, and build again" in done.stderr
+
+
+def test_memory_of_another_stage_is_refused(loop: Path) -> None:
+    (loop / "io").write_bytes(os.urandom(8 * 9))
+    done = harness.call(loop, "--io", "shm", "--memory", "io")
+    assert done.returncode == 2 and "'io' is of another stage: remove it" in done.stderr
+    assert "give a file with --memory" in harness.call(loop, "--io", "shm").stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--io", "labjack"), "--io: 'labjack' is not one of its values"),
+        (("--late", "safe:0"), "--late: 'safe:0' is not one of its values"),
+        (("--cpu", "-1"), "--cpu: '-1' is not one of its values"),
+        (("--lockstep", "many"), "--lockstep: 'many' is not one of its values"),
+        (("go",), "'go' is no option"),
+        (("--motion", "move z_ref 1"), "--motion 'move z_ref 1': z_ref would go from 0 to 1 m"),
+        (("--record", "nowhere/run.csv"), "--record nowhere/run.csv: No such file or directory"),
+    ],
+)
+def test_options_are_refused_by_name(words: tuple[str, ...], message: str, loop: Path) -> None:
+    done = harness.call(loop, *words)
+    assert done.returncode == 2 and message in done.stderr
+
+
+def test_without_the_right_to_real_time_it_says_so_and_runs(loop: Path) -> None:
+    """As an ordinary user; root has the right."""
+    if os.geteuid() == 0:
+        limits = ["prlimit", "--rtprio=0", "--memlock=65536", "setpriv", "--reuid=65534", "--clear-groups"]
+        if not all(os.path.exists(f"/usr/bin/{c}") for c in ("prlimit", "setpriv")):
+            pytest.skip("no setpriv: would show the messages of an ordinary user")
+        loop.chmod(0o777)
+        command = [*limits, "./levitator_2dof", "--run", ".", "--seconds", "0.5", "--stall", "2000"]
+        done = subprocess.run(command, cwd=loop, capture_output=True, text=True)
+        if "Permission denied" in done.stderr:
+            pytest.skip("the folders above are closed to other users")
+        assert "SCHED_FIFO: Operation not permitted" in done.stderr and done.returncode == 0

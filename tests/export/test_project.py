@@ -1,0 +1,94 @@
+"""The files of an export: every stage builds without a warning, refusals say what to do, the user's files stay."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from synth.errors import DesignError, SignalError
+from synth.export import limits, project, records
+from tests import tools
+from tests.export import harness
+from tests.export.test_lockstep import MOTIONS, REGULAR
+
+pytestmark = pytest.mark.slow
+STRICT = "-O2 -Wshadow -Wstrict-prototypes -Wundef -Wcast-qual -Werror"
+
+
+@pytest.mark.whole
+@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize(
+    "compiler",
+    ["zig", *(pytest.param(c, marks=tools.needs(c, shows="the same by this compiler")) for c in ("gcc", "clang"))],
+)
+def test_every_stage_builds_without_a_warning(compiler: str, name: str, tmp_path: Path) -> None:
+    printed = harness.build(harness.export(name, tmp_path), harness.compiler(compiler), STRICT)
+    assert "warning" not in printed
+
+
+def test_the_host_compiler_warns_of_nothing(built: Path) -> None:
+    assert "warning" not in harness.build(harness.export("levitator_2dof", built.parent / "strict"), flags=STRICT)
+
+
+@tools.needs("cmake", shows="that the project builds by CMake as well")
+def test_cmake_builds_the_same_program(built: Path, tmp_path: Path) -> None:
+    subprocess.run(["cmake", "-S", str(built), "-B", str(tmp_path)], check=True, capture_output=True)
+    done = subprocess.run(["cmake", "--build", str(tmp_path)], check=True, capture_output=True, text=True)
+    assert "warning" not in done.stdout + done.stderr
+    subprocess.run([tmp_path / "levitator_2dof", "--replay", built / "vectors"], check=True, capture_output=True)
+
+
+def test_the_step_is_unchanged(built: Path) -> None:
+    for name in ("levitator_2dof.c", "levitator_2dof.h"):
+        committed = harness.ROOT / "generated_c" / "levitator_2dof" / name
+        assert (built / "controller" / name).read_bytes() == committed.read_bytes()
+
+
+def test_another_target_is_refused() -> None:
+    with pytest.raises(DesignError, match="the target of the export is 'dsp': choose one of linux"):
+        project.project(harness.stage("levitator_2dof"), harness.emitted("levitator_2dof"), "dsp")
+
+
+def test_a_drive_that_is_not_emitted_is_refused() -> None:
+    code = harness.emitted("maglev_5dof")
+    without = {name: files for name, files in code.items() if name == "maglev_5dof"}
+    with pytest.raises(DesignError, match="its drive 'maglev_5dof_phase' is not among .*: declare it as a Companion"):
+        project.project(harness.stage("maglev_5dof"), without, "linux")
+
+
+@pytest.mark.parametrize("name", REGULAR)
+def test_the_limits_are_what_the_actuators_give(name: str) -> None:
+    """A levitator's magnet: K exp(0) (i_max - i_0) / M at z = 0, half of it for set-points."""
+    stage = harness.stage(name)
+    homes = {p.name: stage.start.get(p.of, 0.0) for p in stage.interface.set_points}
+    bounds = limits.of_stage(stage, {p.name: p.of for p in stage.interface.set_points}, homes)
+    assert all(value > 0 for each in bounds.values() for value in each)
+    if name == "levitator_2dof":
+        p = {each.name: each.value for each in stage.plant.parameters}
+        held = (p["M"] * p["g"] - p["F0"]) / p["K"]
+        assert bounds["z_ref"].acceleration == pytest.approx(0.5 * p["K"] * (3 - held) / p["M"])
+        assert bounds["x_ref"].acceleration == pytest.approx(0.5 * p["k"] * 2 / p["m"])
+        assert bounds["z_ref"].speed == 0.2 and bounds["x_ref"].speed == 0.5
+
+
+def test_a_record_reads_back_as_a_log(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    path.write_text("t [s],z [m],i [A]\n0,1,2\n0.5,3,4\n")
+    log = records.read(path, 0.5)
+    assert {n: list(v) for n, v in log.samples.items()} == {"z": [1, 3], "i": [2, 4]} and log.period() == 0.5
+    assert records.units(path) == {"t": "s", "z": "m", "i": "A"}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "line 1: found .*, need `t .s.` and names with units"),
+        ("t,z\n0,1\n", "line 1: found .*, need `t .s.` and names with units"),
+        ("t [s],z [m]\n0,1\n1\n", "line 3: .* need 2 numbers: cut it off"),
+        ("t [s],z [m]\n0,nan\n", "row 0 of 'z' is nan"),
+    ],
+)
+def test_what_is_no_record_is_refused(text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text(text)
+    with pytest.raises(SignalError, match=message):
+        records.read(tmp_path / "run.csv")
