@@ -20,7 +20,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 STRATA = (  # of synth, the lowest first; each imports only itself and those before it
     "base", "declare", "analyse", "synthesise", "blocks", "stage", "emit", "execute", "simulate", "verify", "report",
-    "app", "testing",
+    "export", "app", "testing",
 )  # fmt: skip
 VOCABULARY = (  # modules at the top of synth, below all strata but `base`, which needs their errors alone
     "errors", "kinds", "arguments", "numeric", "check", "show", "signals", "timing", "law", "intermediates", "plant",

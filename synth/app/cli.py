@@ -287,6 +287,19 @@ def emit(
     raise typer.Exit(commands.emit(name, out, scalar, fresh))
 
 
+@app.command(epilog="Example: synth export my_stage --target linux --out loop && make -C loop rehearsal")
+def export(
+    name: Name,
+    out: Annotated[Path, typer.Option(help="folder to write to")],
+    target: Annotated[str, typer.Option(help="what the project runs on: linux")] = "linux",
+    fresh: Fresh = False,
+) -> None:
+    """Write a project around the emitted step that runs it: loop, set-points, commands, recorder, rehearsal."""
+    from synth.app import commands
+
+    raise typer.Exit(commands.export(name, target, out, fresh))
+
+
 @app.command(epilog="Example: synth new my_stage && cd my_stage && synth build")
 def new(name: Annotated[str, typer.Argument(help="the stage: small letters, digits and underscores")]) -> None:
     """Make a workspace with a one-axis levitator that builds at once; in a workspace, add such a stage to it."""

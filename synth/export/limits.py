@@ -12,7 +12,7 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.statespace import Array
 
 FRACTION = 0.5  # of the actuators, for set-points

@@ -48,6 +48,7 @@ def tables(rig: Rig, outputs: Sequence[str], sizes: Mapping[str, int]) -> dict[s
         "parameters": [_c(v) for v in plant.values] or ["0.0"],
         "substeps": stage.substeps,
         "stops": stops,
+        "velocities": [states.index(v) for v in stage.velocities.values()],
         "hold": [_c(hold.get(name, 0.0)) for name in outputs],
         "mixing": [[_c(wires.get(s.name, {}).get(name, 0.0)) for name in outputs] for s in plant.inputs],
         "sensors": sensors,

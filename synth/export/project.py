@@ -5,7 +5,7 @@
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -14,8 +14,8 @@ from typing import Any
 import jinja2
 import numpy as np
 
-from synth import store
-from synth.declaration import Stage
+from synth.base import store
+from synth.declare.stage import SetPoint, Stage
 from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import host
@@ -140,10 +140,21 @@ def _facts(
         "outputs": [_signal(f) | {"source": f["source"]} for f in outputs],
         "faults": [_fault(f) for f in manifest["faults"]],
         "safe": safe,
+        "rehearsal": _rehearsal(interface.set_points, home, least),
     }
     tables = plant_files.tables(rig, [f["name"] for f in outputs], sizes)
     facts["sensors"] = [a | b for a, b in zip(sensors, tables.pop("sensors"), strict=True)]
     return facts | tables, model
+
+
+def _rehearsal(points: Sequence[SetPoint], home: Mapping[str, float], least: Mapping[str, limits.Limits]) -> str:
+    """Return the option of a slow sine of the first set-point, within a tenth of its room and of what it can follow."""
+    if not points:
+        return ""
+    p, rate = points[0], 2 * np.pi
+    room = min(p.high - home[p.name], home[p.name] - p.low)
+    most = min(room, least[p.name].speed / rate, least[p.name].acceleration / rate**2)
+    return f"--motion 'sine {p.name} {most / 10:.2g} 1 2' "
 
 
 def _signal(field: Mapping[str, Any]) -> dict[str, Any]:

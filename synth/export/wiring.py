@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from synth.declaration import Stage
+from synth.declare.stage import Stage
 from synth.errors import WiringError
 
 CONTROLLER = "controller"

@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from synth import workspace
-from synth.declaration import Stage
+from synth.app import workspace
+from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.export import project
-from synth.workspace import Design
+from synth.app.workspace import Design
 
 ROOT = Path(__file__).parents[2]
 
