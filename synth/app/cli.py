@@ -1,4 +1,5 @@
-"""Commands: `synth build | verify | simulate | faults | study | compare | tune | audit | cost | prove | emit | new`.
+"""Commands: `synth build | verify | simulate | faults | study | compare | tune | audit | cost | prove | emit | export |
+new`.
 
 It runs in the root of a workspace.
 

@@ -39,14 +39,16 @@ def of_stage(stage: Stage, positions: Mapping[str, str], home: Mapping[str, floa
         start = {**stage.start, **{positions[n]: home[n] for n in controlled}}
         x0 = np.array([start.get(n, 0.0) for n in names])
         for (name, i), a in zip(controlled.items(), _accelerations(stage, x0, list(controlled.values())), strict=True):
-            bounds[name] = _speed(stage, i, bounds[name][0]), a if a > 0 else bounds[name][1]
+            bounds[name] = _largest_rate(stage, i, bounds[name][0]), a if a > 0 else bounds[name][1]
     return {name: Limits(v, a, a / (RISE * period)) for name, (v, a) in bounds.items()}
 
 
-def _speed(stage: Stage, i: int, otherwise: float) -> float:
+def _largest_rate(stage: Stage, i: int, otherwise: float) -> float:
     """Return the largest speed of state i: the range of the state that is its derivative."""
     plant = stage.plant
-    x, u, p = (ca.SX.sym(n, k) for n, k in (("x", len(plant.states)), ("u", len(plant.inputs)), ("p", len(plant.values))))
+    x, u, p = (
+        ca.SX.sym(n, k) for n, k in (("x", len(plant.states)), ("u", len(plant.inputs)), ("p", len(plant.values)))
+    )
     derivative = plant.f(x, u, p)[i]
     for k in ca.jacobian(derivative, x).sparsity().get_col():
         if ca.is_equal(ca.SX(derivative), x[k], 2):

@@ -31,20 +31,20 @@ def _dense(f: ca.Function, name: str) -> ca.Function:
 def tables(rig: Rig, outputs: Sequence[str], sizes: Mapping[str, int]) -> dict[str, Any]:
     """Return what the templates of plant.h and plant.c show: numbers as C, in the order of the plant's signals."""
     stage, plant = rig.stage, rig.plant
-    states, given = [s.name for s in plant.states], [s.name for s in plant.outputs]
+    states, measured = [s.name for s in plant.states], [s.name for s in plant.outputs]
     start = {s.name: stage.start.get(s.name, 0.0) for s in plant.states}
     wires = {name: {w: 1.0} if isinstance(w, str) else dict(w) for name, w in rig.connections.items()}
     safe = {a.name: a.safe for a in stage.interface.actuators if a.name in (rig.controller.outputs.names or ())}
     hold = rig.drive_commands(stage.start, safe) if rig.drive else safe
     stops = [(states.index(q), states.index(stage.velocities[q]), *map(_c, ends)) for q, ends in stage.stops.items()]
     sensors = [
-        {"source": given.index(s.of), "resolution": _c(s.resolution), "noise": _c(s.noise)}
+        {"source": measured.index(s.of), "resolution": _c(s.resolution), "noise": _c(s.noise)}
         for s in stage.interface.sensors
     ]
     return {
         "x0": [_c(start[s]) for s in states],
         "inputs": len(plant.inputs),
-        "plant_outputs": len(given),
+        "plant_outputs": len(measured),
         "parameters": [_c(v) for v in plant.values] or ["0.0"],
         "substeps": stage.substeps,
         "stops": stops,
@@ -56,7 +56,7 @@ def tables(rig: Rig, outputs: Sequence[str], sizes: Mapping[str, int]) -> dict[s
     }
 
 
-def rest(low: float, high: float, resolution: float, noise: float) -> float:
+def largest_change_at_rest(low: float, high: float, resolution: float, noise: float) -> float:
     """Return the largest change of a sensor at rest, in its unit."""
     return max(REST_CHANGE * (high - low), 4 * resolution, 8 * noise)
 

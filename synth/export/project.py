@@ -1,7 +1,7 @@
 """An export as a whole: the files of a project around the unchanged step, by path; `save` alone writes to disk.
 
-    controller/   the emitted steps, unchanged        src/       the loop, the same for every stage, and its tables
-    vectors/      inputs, outputs, fault words        io_user.c, channels.toml    the user's: written once
+controller/   the emitted steps, unchanged        src/       the loop, the same for every stage, and its tables
+vectors/      inputs, outputs, fault words        io_user.c, channels.toml    the user's: written once
 """
 
 import json
@@ -61,7 +61,7 @@ def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Pr
             f"design '{stage.name}': its drive '{missing[0]}' is not among what it emits ({', '.join(emitted)}): "
             "declare it as a Companion, too"
         )
-    code, recorded = {}, {}
+    code, recorded = dict[str, str](), dict[str, bytes]()
     for name in needed:
         code |= {f"controller/{file}": text for file, text in host.code(emitted[name].files).items()}
         recorded[f"vectors/{name}.bin"] = _vectors(emitted[name])
@@ -73,12 +73,16 @@ def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Pr
 def _render(facts: Mapping[str, Any]) -> dict[str, str]:
     """Return the project's own files: templates filled in, and those that are the same for every stage."""
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("synth.export", "linux"), undefined=jinja2.StrictUndefined, keep_trailing_newline=True
+        loader=jinja2.PackageLoader("synth.export", "linux"),
+        undefined=jinja2.StrictUndefined,
+        keep_trailing_newline=True,
     )
     files = {}
     for file in resources.files("synth.export").joinpath("linux").iterdir():
         name = file.name.removesuffix(".j2")
-        text = environment.get_template(file.name).render(facts) if file.name.endswith(".j2") else file.read_text("utf-8")
+        text = (
+            environment.get_template(file.name).render(facts) if file.name.endswith(".j2") else file.read_text("utf-8")
+        )
         files[name if name in TOP else f"src/{name}"] = text
     return files
 
@@ -110,7 +114,12 @@ def _facts(
     home = rig.set_points_at({})
     least = limits.of_stage(stage, rig.positions, home)
     sensors = [
-        _signal(read[s.name]) | {"rest": repr(plant_files.rest(read[s.name]["low"], read[s.name]["high"], s.resolution, s.noise))}
+        _signal(read[s.name])
+        | {
+            "rest": repr(
+                plant_files.largest_change_at_rest(read[s.name]["low"], read[s.name]["high"], s.resolution, s.noise)
+            )
+        }
         for s in interface.sensors
     ]
     names = [s.name for s in interface.sensors]

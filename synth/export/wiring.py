@@ -65,7 +65,7 @@ def outputs(stage: Stage, manifests: Mapping[str, Mapping[str, Any]]) -> list[di
 
 
 def pose(stage: Stage, of: str, sensors: Sequence[str]) -> str:
-    """Return the C expression of a coordinate at rest from the sensors, "" where no sensor or sum of sensors shows it."""
+    """Return the C expression of a coordinate at rest, "" where no sensor and no sum of sensors shows it."""
     read = {s.of: s.name for s in stage.interface.sensors} | {s.name: s.name for s in stage.interface.sensors}
     weights = {read[of]: 1.0} if of in read else dict(stage.coordinates.get(of, {}))
     return " + ".join(f"({float(w)!r} * sensors[{sensors.index(name)}])" for name, w in weights.items())

@@ -15,11 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from synth.app import workspace
+from synth.app.workspace import Design
+from synth.base import store
 from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.export import project
-from synth.app.workspace import Design
 
 ROOT = Path(__file__).parents[2]
 
@@ -66,7 +67,7 @@ def build(folder: Path, cc: str = "", flags: str = "-O2", link: str = "") -> str
 
 
 def zig() -> str:
-    return os.environ.get("ZIG_GLOBAL_CACHE_DIR") or str(host_compiler.store.folder() / "zig")
+    return os.environ.get("ZIG_GLOBAL_CACHE_DIR") or str(store.folder() / "zig")
 
 
 def call(folder: Path, *words: str, name: str = "levitator_2dof") -> subprocess.CompletedProcess[str]:

@@ -28,9 +28,7 @@ SAMPLES = 3000
 REGULAR = ("levitator_2dof", "maglev_5dof")  # of `make test`: with and without a drive
 
 
-@pytest.mark.parametrize(
-    "name", [n if n in REGULAR else pytest.param(n, marks=pytest.mark.whole) for n in MOTIONS]
-)
+@pytest.mark.parametrize("name", [n if n in REGULAR else pytest.param(n, marks=pytest.mark.whole) for n in MOTIONS])
 def test_a_loop_in_lock_step_equals_the_simulation(name: str, tmp_path: Path) -> None:
     folder = harness.export(name, tmp_path)
     harness.build(folder)

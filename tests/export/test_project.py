@@ -52,7 +52,7 @@ def test_another_target_is_refused() -> None:
 def test_a_drive_that_is_not_emitted_is_refused() -> None:
     code = harness.emitted("maglev_5dof")
     without = {name: files for name, files in code.items() if name == "maglev_5dof"}
-    with pytest.raises(DesignError, match="its drive 'maglev_5dof_phase' is not among .*: declare it as a Companion"):
+    with pytest.raises(DesignError, match=r"its drive 'maglev_5dof_phase' is not among .*: declare it as a Companion"):
         project.project(harness.stage("maglev_5dof"), without, "linux")
 
 

@@ -47,11 +47,46 @@ static inline int mailbox_take(mailbox_t *box, command_t *command)
     return 1;
 }
 
+/* The changes of the phase, for the log: the loop writes `head`, the server `tail`. Changes beyond the size are lost. */
+enum { EVENTS = 64 };
+typedef struct {
+    phase_t phase;
+    const char *reason;
+} event_t;
+typedef struct {
+    event_t events[EVENTS];
+    unsigned head, tail;
+} events_t;
+
+static inline void events_put(events_t *log, phase_t phase, const char *reason)
+{
+    const unsigned head = __atomic_load_n(&log->head, __ATOMIC_RELAXED);
+    if (head - __atomic_load_n(&log->tail, __ATOMIC_ACQUIRE) == EVENTS) return;
+    log->events[head % EVENTS] = (event_t){phase, reason};
+    __atomic_store_n(&log->head, head + 1u, __ATOMIC_RELEASE);
+}
+
+static inline int events_take(events_t *log, event_t *event)
+{
+    const unsigned tail = __atomic_load_n(&log->tail, __ATOMIC_RELAXED);
+    if (tail == __atomic_load_n(&log->head, __ATOMIC_ACQUIRE)) return 0;
+    *event = log->events[tail % EVENTS];
+    __atomic_store_n(&log->tail, tail + 1u, __ATOMIC_RELEASE);
+    return 1;
+}
+
 /* Three copies: one is written, one is read, and the third waits; bit 2 of `middle` says that it is new. */
 typedef struct {
     status_t copies[3];
     int back, front, middle; /* start as 0, 1, 2 */
 } board_t;
+
+/* All that the server shares with the loop. */
+typedef struct {
+    mailbox_t box;
+    events_t events;
+    board_t board;
+} exchange_t;
 
 static inline status_t *board_back(board_t *board)
 {

@@ -20,8 +20,7 @@
 enum { QUEUE = STAGE_DELAY > 0 ? STAGE_DELAY : 1 };
 
 static volatile sig_atomic_t stop_signal;
-static mailbox_t box;
-static board_t board = {.front = 1, .middle = 2};
+static exchange_t exchange = {.board = {.front = 1, .middle = 2}};
 static motion_t motions[MOTIONS];
 
 static void note_signal(int number)
@@ -76,15 +75,21 @@ static const char *stop_reason(const options_t *options, uint64_t missed, int io
     return (options->late == LATE_SAFE && missed >= options->late_limit) ? "too many periods were missed in a row" : NULL;
 }
 
+static void note_phase(const machine_t *m, phase_t *noted)
+{
+    if (m->phase != *noted) events_put(&exchange.events, m->phase, m->reason);
+    *noted = m->phase;
+}
+
 static void publish(const machine_t *m, uint64_t calls, const lateness_t *late)
 {
-    status_t *const s = board_back(&board);
+    status_t *const s = board_back(&exchange.board);
     *s = (status_t){.phase = m->phase, .reason = m->reason, .faults = m->faults, .latch_cause = m->latch_cause,
         .moving = machine_is_moving(m), .may_start = machine_may_start(m), .calls = calls, .commands = m->commands, .late = *late};
     memcpy(s->sensors, m->sensors, sizeof s->sensors);
     memcpy(s->set_points, m->set_points, sizeof s->set_points);
     memcpy(s->outputs, m->outputs, sizeof s->outputs);
-    board_publish(&board);
+    board_publish(&exchange.board);
 }
 
 static void record(const machine_t *m, double t, uint64_t missed, int wait)
@@ -120,6 +125,7 @@ static int run(const options_t *options, shared_t *shared)
     int64_t next = realtime_now() + STAGE_PERIOD_NS;
     int next_motion = 0, done = 0, failed = 0;
     uint64_t sample = 0u, time = 0u;
+    phase_t noted = WAITING;
     for (; !done; sample++, time++) {
         const uint64_t missed = options->lockstep ? 0u : realtime_wait(&next, &late);
         const int slot = (int)(sample % QUEUE);
@@ -128,7 +134,7 @@ static int run(const options_t *options, shared_t *shared)
         if (STAGE_DELAY > 0 && sample >= QUEUE) failed |= options->io->write(queue[slot], enabled[slot]) != 0;
         const int read_failed = options->io->read(sensors) != 0;
         for (int i = 0; i < N_SENSORS && read_failed; i++) sensors[i] = NAN;
-        if (mailbox_take(&box, &command)) {
+        if (mailbox_take(&exchange.box, &command)) {
             machine_command(m, &command);
             m->commands += 1u;
         }
@@ -139,7 +145,9 @@ static int run(const options_t *options, shared_t *shared)
         const char *const end = end_reason(options, time);
         const char *const reason = end ? end : stop_reason(options, missed, failed || read_failed);
         if (reason) machine_command(m, &(command_t){.order = COMMAND_STOP, .reason = reason});
+        note_phase(m, &noted);
         machine_sample(m, sensors, (double)missed);
+        note_phase(m, &noted);
         memcpy(queue[slot], m->outputs, sizeof queue[slot]);
         enabled[slot] = m->enabled;
         if (STAGE_DELAY == 0) failed |= options->io->write(queue[slot], enabled[slot]) != 0;
@@ -169,7 +177,7 @@ static int loop(const options_t *options, shared_t *shared, const char *socket_p
             SET_POINTS[i].name, LIMITS[i].home, SET_POINTS[i].unit);
     }
     if (recorder_start() != 0) return 2;
-    if (!options->lockstep && server_start(socket_path, &box, &board) != 0) return 2;
+    if (!options->lockstep && server_start(socket_path, &exchange) != 0) return 2;
     if (options->record) {
         const int error = recorder_open(options->record);
         if (error) {

@@ -26,12 +26,10 @@ typedef struct {
 } client_t;
 
 static struct {
-    mailbox_t *box;
-    board_t *board;
+    exchange_t *shared;
     int socket, finish, stop_due;
     char path[sizeof ((struct sockaddr_un *)0)->sun_path];
     client_t clients[CLIENTS];
-    phase_t phase;
     pthread_t thread;
 } server;
 
@@ -90,9 +88,9 @@ static void reply_names(char *reply)
 static void send_order(char *reply, const command_t *command)
 {
     const struct timespec pause = {.tv_nsec = 100000};
-    const uint64_t before = board_latest(server.board)->commands;
-    int waited = mailbox_put(server.box, command) == 0 ? 0 : PATIENCE;
-    for (; waited < PATIENCE && board_latest(server.board)->commands == before; waited++) (void)nanosleep(&pause, NULL);
+    const uint64_t before = board_latest(&server.shared->board)->commands;
+    int waited = mailbox_put(&server.shared->box, command) == 0 ? 0 : PATIENCE;
+    for (; waited < PATIENCE && board_latest(&server.shared->board)->commands == before; waited++) (void)nanosleep(&pause, NULL);
     add(reply, waited < PATIENCE ? "ok" : "error: the loop does not answer: look at its log");
 }
 
@@ -127,7 +125,7 @@ static void reply_record(char *reply, char *words[], int count)
 static void obey(client_t *client, char *reply)
 {
     char *words[WORDS], *rest = client->line;
-    const status_t *const s = board_latest(server.board);
+    const status_t *const s = board_latest(&server.shared->board);
     int count = 0;
     for (char *word; count < WORDS && (word = strtok_r(rest, " \t\r", &rest)) != NULL;) words[count++] = word;
     const char *const verb = count ? words[0] : "";
@@ -205,14 +203,14 @@ static void accept_client(void)
     else server.clients[k].socket = s;
 }
 
-/* Print each change of the phase, with its reason. */
-static void log_phase(void)
+/* Print the changes of the phase, with the reason of a stop. */
+static void print_events(void)
 {
-    const status_t *const s = board_latest(server.board);
-    if (s->phase == server.phase) return;
-    server.phase = s->phase;
-    (void)fprintf(stderr, "%s: %s%s%s\n", STAGE_NAME, PHASES[s->phase], s->phase > RUNNING ? ": " : "",
-        s->phase > RUNNING && s->reason ? s->reason : "");
+    for (event_t event; events_take(&server.shared->events, &event);) {
+        const int stopped = event.phase > RUNNING && event.reason != NULL;
+        (void)fprintf(stderr, "%s: %s%s%s\n", STAGE_NAME, PHASES[event.phase], stopped ? ": " : "",
+            stopped ? event.reason : "");
+    }
 }
 
 static void *run(void *ignored)
@@ -226,14 +224,14 @@ static void *run(void *ignored)
             if (polled[k + 1].revents && server.clients[k].socket >= 0) receive(&server.clients[k]);
         }
         if (polled[0].revents) accept_client();
-        if (server.stop_due && mailbox_put(server.box, &stop) == 0) server.stop_due = 0;
-        log_phase();
+        if (server.stop_due && mailbox_put(&server.shared->box, &stop) == 0) server.stop_due = 0;
+        print_events();
     }
-    log_phase();
+    print_events();
     return ignored;
 }
 
-int server_start(const char *path, mailbox_t *box, board_t *board)
+int server_start(const char *path, exchange_t *exchange)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     if (strlen(path) >= sizeof address.sun_path) {
@@ -243,8 +241,7 @@ int server_start(const char *path, mailbox_t *box, board_t *board)
     }
     (void)strcpy(address.sun_path, path);
     (void)strcpy(server.path, path);
-    server.box = box;
-    server.board = board;
+    server.shared = exchange;
     for (int k = 0; k < CLIENTS; k++) server.clients[k].socket = -1;
     (void)unlink(path); /* the lock file says that no other instance uses it */
     server.socket = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);

@@ -5,7 +5,7 @@
 #include "exchange.h"
 
 /* Make the socket and start the thread that serves it. Return 0, or -1 after a message. */
-int server_start(const char *path, mailbox_t *box, board_t *board);
+int server_start(const char *path, exchange_t *exchange);
 
 /* End the thread and remove the socket. */
 void server_finish(void);
