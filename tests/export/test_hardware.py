@@ -156,12 +156,12 @@ def test_memory_of_another_stage_is_refused(loop: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--io", "labjack"), "--io: 'labjack' is not one of its values"),
-        (("--late", "safe:0"), "--late: 'safe:0' is not one of its values"),
-        (("--cpu", "-1"), "--cpu: '-1' is not one of its values"),
-        (("--lockstep", "many"), "--lockstep: 'many' is not one of its values"),
-        (("go",), "'go' is no option"),
-        (("--motion", "move z_ref 1"), "--motion 'move z_ref 1': z_ref would go from 0 to 1 m"),
+        (("--io", "labjack"), "'--io labjack' is no option with its value"),
+        (("--late", "safe:0"), "'--late safe:0' is no option with its value"),
+        (("--cpu", "-1"), "'--cpu -1' is no option with its value"),
+        (("--lockstep", "many"), "'--lockstep many' is no option with its value"),
+        (("go",), "'go ' is no option with its value"),
+        (("--motion", "move z_ref 1"), "--motion 'move z_ref 1': the value of z_ref would be"),
         (("--record", "nowhere/run.csv"), "--record nowhere/run.csv: No such file or directory"),
     ],
 )

@@ -25,6 +25,7 @@ MOTIONS = {
     "hall_position": [],
 }
 SAMPLES = 3000
+PLANTED = "levitator_2dof"
 REGULAR = ("levitator_2dof", "maglev_5dof")  # of `make test`: with and without a drive
 
 
@@ -46,6 +47,27 @@ def test_a_loop_in_lock_step_equals_the_simulation(name: str, tmp_path: Path) ->
             if column != "missed_calls":
                 np.testing.assert_array_equal(log.samples[column].astype(np.float32), group[column], column)
     np.testing.assert_array_equal(log.samples["faults"].astype(np.uint32), run.faults | run.status)
+
+
+@pytest.mark.parametrize(
+    ("file", "before", "after"),
+    [
+        ("src/plant.c", "20.0,", "20.000000001,"),
+        ("src/io_plant.c", "rint(seen", "floor(seen"),
+        ("src/stage.h", "#define STAGE_DELAY 1", "#define STAGE_DELAY 2"),
+    ],
+)
+def test_another_loop_differs(file: str, before: str, after: str, tmp_path: Path) -> None:
+    """A force factor, the rounding of a sensor or the delay of another machine."""
+    folder = harness.export(PLANTED, tmp_path)
+    text = (folder / file).read_text()
+    assert before in text
+    (folder / file).write_text(text.replace(before, after))
+    harness.build(folder, flags="-O1")
+    assert harness.call(folder, "--lockstep", str(SAMPLES), "--record", "run.csv", name=PLANTED).returncode == 0
+    log = records.read(folder / "run.csv")
+    run = simulated(PLANTED, log.samples)
+    assert not np.array_equal(log.samples["i1"].astype(np.float32), run.commands["i1"])
 
 
 def simulated(name: str, recorded: dict[str, np.ndarray]) -> Trajectory:

@@ -2,6 +2,7 @@
 
 import mmap
 import os
+import platform
 import resource
 import signal
 import struct
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from synth.execute import compile as host_compiler
 from synth.export import records
 from tests.export import harness
 
@@ -245,8 +247,27 @@ def test_a_client_program_prints_the_answer(loop: Path) -> None:
         done = subprocess.run([*ask, "status"], cwd=loop, capture_output=True, text=True)
         assert done.returncode == 0 and done.stdout.startswith("ok phase=running")
         refused = subprocess.run([*ask, "move", "z_ref", "1"], cwd=loop, capture_output=True, text=True)
-        assert refused.returncode == 1 and "its range is -0.0005 .. 0.0005" in refused.stdout
+        assert refused.returncode == 1 and "at most 0.0005 is possible: make it smaller" in refused.stdout
     assert subprocess.run([*ask, "status"], cwd=loop, capture_output=True).returncode == 2
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="needs glibc: would show that nothing allocates")
+@pytest.mark.parametrize("planted", [False, True])
+def test_nothing_is_allocated_once_the_loop_runs(planted: bool, built: Path, loop: Path) -> None:
+    shim = host_compiler.shared_library({"malloc.c": Path(__file__).with_name("malloc.c").read_text()})
+    folder = built
+    if planted:
+        folder = harness.export("levitator_2dof", loop / "planted")
+        main = folder / "src" / "realtime.c"
+        marked = "    int bin = 0;\n"
+        text = main.read_text()
+        assert marked in text
+        main.write_text(text.replace(marked, marked + "    void *volatile p = strdup(STAGE_NAME);\n    (void)p;\n", 1))
+        harness.build(folder)
+    command = [str(folder / "levitator_2dof"), "--run", ".", *PLANT, "--seconds", "1", "--record", "run.csv"]
+    environment = {**os.environ, "LD_PRELOAD": str(shim)}
+    done = subprocess.run(command, cwd=loop, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0 and ("the loop allocates" in done.stderr) == planted, done.stderr[-500:]
 
 
 def test_other_vectors_are_seen(loop: Path) -> None:

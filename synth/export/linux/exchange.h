@@ -1,12 +1,12 @@
-/* What the loop and the other threads exchange without a lock: commands to the loop, its status, and records of samples.
- *
- * Each has one writer and one reader. The atomic accesses are those of gcc and clang, which C99 has no name for. */
+/* What the loop and the other threads exchange without a lock: commands, events and status. Each has one
+ * writer and one reader. */
 #ifndef EXCHANGE_H
 #define EXCHANGE_H
 
 #include <stdint.h>
 
 #include "machine.h"
+#include "ring.h"
 
 enum { BINS = 16 }; /* of lateness: below 1 us, 2 us, 4 us ..., and all above */
 
@@ -25,55 +25,11 @@ typedef struct {
     lateness_t late;
 } status_t;
 
-/* A slot for one command: full is 1 from the writer's last touch to the reader's. */
-typedef struct {
-    int full;
-    command_t command;
-} mailbox_t;
-
-static inline int mailbox_put(mailbox_t *box, const command_t *command)
-{
-    if (__atomic_load_n(&box->full, __ATOMIC_ACQUIRE)) return -1;
-    box->command = *command;
-    __atomic_store_n(&box->full, 1, __ATOMIC_RELEASE);
-    return 0;
-}
-
-static inline int mailbox_take(mailbox_t *box, command_t *command)
-{
-    if (!__atomic_load_n(&box->full, __ATOMIC_ACQUIRE)) return 0;
-    *command = box->command;
-    __atomic_store_n(&box->full, 0, __ATOMIC_RELEASE);
-    return 1;
-}
-
-/* The changes of the phase, for the log: the loop writes `head`, the server `tail`. Changes beyond the size are lost. */
-enum { EVENTS = 64 };
+/* A change of the phase, for the log. */
 typedef struct {
     phase_t phase;
     const char *reason;
 } event_t;
-typedef struct {
-    event_t events[EVENTS];
-    unsigned head, tail;
-} events_t;
-
-static inline void events_put(events_t *log, phase_t phase, const char *reason)
-{
-    const unsigned head = __atomic_load_n(&log->head, __ATOMIC_RELAXED);
-    if (head - __atomic_load_n(&log->tail, __ATOMIC_ACQUIRE) == EVENTS) return;
-    log->events[head % EVENTS] = (event_t){phase, reason};
-    __atomic_store_n(&log->head, head + 1u, __ATOMIC_RELEASE);
-}
-
-static inline int events_take(events_t *log, event_t *event)
-{
-    const unsigned tail = __atomic_load_n(&log->tail, __ATOMIC_RELAXED);
-    if (tail == __atomic_load_n(&log->head, __ATOMIC_ACQUIRE)) return 0;
-    *event = log->events[tail % EVENTS];
-    __atomic_store_n(&log->tail, tail + 1u, __ATOMIC_RELEASE);
-    return 1;
-}
 
 /* Three copies: one is written, one is read, and the third waits; bit 2 of `middle` says that it is new. */
 typedef struct {
@@ -81,10 +37,12 @@ typedef struct {
     int back, front, middle; /* start as 0, 1, 2 */
 } board_t;
 
-/* All that the server shares with the loop. */
+/* Commands to the loop, its events, and its status. */
+enum { COMMANDS = 4, EVENTS = 64 };
 typedef struct {
-    mailbox_t box;
-    events_t events;
+    command_t commands[COMMANDS];
+    event_t events[EVENTS];
+    ring_t command_ring, event_ring;
     board_t board;
 } exchange_t;
 

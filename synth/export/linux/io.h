@@ -6,7 +6,7 @@ typedef struct {
     const char *channels; /* channels.toml */
     const char *library;  /* of Comedi */
     const char *memory;   /* the file of shared memory */
-    unsigned seed;        /* of the simulated noise */
+    double seed;          /* of the simulated noise, a whole number */
     int settle;           /* 1: the simulated plant rests under the safe output before the first sample */
 } io_options_t;
 

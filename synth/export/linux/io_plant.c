@@ -90,7 +90,7 @@ static int open_plant(const io_options_t *options)
     memcpy(plant.x, PLANT_START, sizeof plant.x);
     memcpy(plant.held, PLANT_HOLD, sizeof plant.held);
     memcpy(plant.due, PLANT_HOLD, sizeof plant.due);
-    plant.noise = options->seed;
+    plant.noise = (uint64_t)options->seed;
     mix();
     /* A machine that is switched on lies on its stop, at rest: what slides there has friction, which no plant models. */
     for (double t = 0.0; options->settle && t < 2.0; t += STAGE_PERIOD_S) advance();

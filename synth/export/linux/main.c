@@ -72,13 +72,27 @@ static const char *end_reason(const options_t *options, uint64_t time)
 static const char *stop_reason(const options_t *options, uint64_t missed, int io_failed)
 {
     if (io_failed) return "the hardware could not be read or written";
-    return (options->late == LATE_SAFE && missed >= options->late_limit) ? "too many periods were missed in a row" : NULL;
+    return (options->late == LATE_SAFE && (double)missed >= options->late_limit) ? "too many periods were missed in a row" : NULL;
 }
 
 static void note_phase(const machine_t *m, phase_t *noted)
 {
-    if (m->phase != *noted) events_put(&exchange.events, m->phase, m->reason);
+    const int64_t place = ring_place(&exchange.event_ring, EVENTS);
+    if (m->phase != *noted && place >= 0) {
+        exchange.events[place] = (event_t){m->phase, m->reason};
+        ring_publish(&exchange.event_ring);
+    }
     *noted = m->phase;
+}
+
+/* Obey one command of a client. */
+static void obey(machine_t *m)
+{
+    const int64_t place = ring_next(&exchange.command_ring, COMMANDS);
+    if (place < 0) return;
+    machine_command(m, &exchange.commands[place]);
+    ring_release(&exchange.command_ring);
+    m->commands += 1u;
 }
 
 static void publish(const machine_t *m, uint64_t calls, const lateness_t *late)
@@ -127,17 +141,13 @@ static int run(const options_t *options, shared_t *shared)
     uint64_t sample = 0u, time = 0u;
     phase_t noted = WAITING;
     for (; !done; sample++, time++) {
-        const uint64_t missed = options->lockstep ? 0u : realtime_wait(&next, &late);
+        const uint64_t missed = options->lockstep > 0.0 ? 0u : realtime_wait(&next, &late);
         const int slot = (int)(sample % QUEUE);
-        command_t command;
         time += missed;
         if (STAGE_DELAY > 0 && sample >= QUEUE) failed |= options->io->write(queue[slot], enabled[slot]) != 0;
         const int read_failed = options->io->read(sensors) != 0;
         for (int i = 0; i < N_SENSORS && read_failed; i++) sensors[i] = NAN;
-        if (mailbox_take(&exchange.box, &command)) {
-            machine_command(m, &command);
-            m->commands += 1u;
-        }
+        obey(m);
         if (next_motion < options->motion_count && m->phase == RUNNING && !machine_is_moving(m)) {
             machine_command(m, &(command_t){.order = COMMAND_MOTION, .motion = motions[next_motion++]});
         }
@@ -152,12 +162,12 @@ static int run(const options_t *options, shared_t *shared)
         enabled[slot] = m->enabled;
         if (STAGE_DELAY == 0) failed |= options->io->write(queue[slot], enabled[slot]) != 0;
         (void)__atomic_add_fetch(&shared->beat, 1u, __ATOMIC_RELEASE);
-        record(m, (double)time * STAGE_PERIOD_S, missed, options->lockstep > 0);
+        record(m, (double)time * STAGE_PERIOD_S, missed, options->lockstep > 0.0);
         publish(m, sample + 1u, &late);
-        done = (end && m->phase == DISABLED) || (options->lockstep && sample + 1u >= (uint64_t)options->lockstep);
+        done = (end && m->phase == DISABLED) || (options->lockstep > 0.0 && (double)(sample + 1u) >= options->lockstep);
     }
     (void)options->io->write(m->outputs, 0);
-    if (!options->lockstep) server_finish();
+    if (!(options->lockstep > 0.0)) server_finish();
     recorder_finish();
     options->io->close();
     report(m, sample, &late);
@@ -177,7 +187,7 @@ static int loop(const options_t *options, shared_t *shared, const char *socket_p
             SET_POINTS[i].name, LIMITS[i].home, SET_POINTS[i].unit);
     }
     if (recorder_start() != 0) return 2;
-    if (!options->lockstep && server_start(socket_path, &exchange) != 0) return 2;
+    if (!(options->lockstep > 0.0) && server_start(socket_path, &exchange) != 0) return 2;
     if (options->record) {
         const int error = recorder_open(options->record);
         if (error) {
@@ -185,7 +195,7 @@ static int loop(const options_t *options, shared_t *shared, const char *socket_p
             return 2;
         }
     }
-    if (!options->lockstep) realtime_become(options->cpu); /* this thread alone: those above are not real-time */
+    if (!(options->lockstep > 0.0)) realtime_become((int)options->cpu); /* this thread alone: those above are not real-time */
     return run(options, shared);
 }
 
@@ -198,13 +208,13 @@ int main(int count, char *words[])
     if (plan(&options) != 0 || lock(options.run) != 0) return 2;
     (void)snprintf(socket_path, sizeof socket_path, "%s/" STAGE_NAME ".sock", options.run);
     shared_t *const shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    options.back_end.settle = !options.lockstep;
+    options.back_end.settle = !(options.lockstep > 0.0);
     if (shared == MAP_FAILED || options.io->open(&options.back_end) != 0) return 2;
-    machine_init(&shared->machine, options.lockstep > 0);
-    if (options.lockstep) return loop(&options, shared, socket_path);
+    machine_init(&shared->machine, options.lockstep > 0.0);
+    if (options.lockstep > 0.0) return loop(&options, shared, socket_path);
     const pid_t watchdog = getpid(), child = fork();
     if (child < 0) perror("fork");
-    if (child != 0) return child < 0 ? 2 : watchdog_run(shared, options.io, child, options.stall_s);
+    if (child != 0) return child < 0 ? 2 : watchdog_run(shared, options.io, child, 1e-3 * options.stall_ms);
     (void)prctl(PR_SET_PDEATHSIG, SIGTERM); /* a loop without a watchdog stops, too */
     return getppid() == watchdog ? loop(&options, shared, socket_path) : 2;
 }

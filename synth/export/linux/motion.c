@@ -8,7 +8,8 @@
 #define TWO_PI 6.283185307179586
 #define ROUNDED 0.1         /* of a ramp, or of a zigzag's quarter: its rounded end */
 #define LONGEST_S 3600.0    /* of a motion, all samples of which are checked */
-#define ROUNDING 1e-9       /* relative: of the finite differences of a check */
+#define ROUNDING 1e-9       /* of a range: more than a sum rounds by */
+#define SLACK 1e-3          /* relative, of speeds and accelerations from finite differences */
 
 /* 0 .. 1 with no speed and no acceleration at its ends; peaks of its derivatives: 1.875, 5.774, 60. */
 static double smooth(double s)
@@ -35,7 +36,7 @@ static double triangle(double cycles)
     return half * value / (1.0 - 2.0 * corner);
 }
 
-void motion_at(const motion_t *motion, double t, double set_points[])
+static void evaluate(const motion_t *motion, double t, double set_points[])
 {
     const double s = (motion->duration > 0.0) ? t / motion->duration : 1.0, cycles = motion->frequency * t;
     const double fade = smooth(cycles) * smooth(motion->frequency * (motion->duration - t));
@@ -49,8 +50,15 @@ void motion_at(const motion_t *motion, double t, double set_points[])
     case MOTION_NONE: case MOTION_STEP: default: break;
     }
     for (int i = 0; i < N_SET_POINTS; i++) {
-        const double r = motion->from[i] + motion->a[i] * a + motion->b[i] * b;
-        set_points[i] = fmin(fmax(r, SET_POINTS[i].low), SET_POINTS[i].high);
+        set_points[i] = motion->from[i] + motion->a[i] * a + motion->b[i] * b;
+    }
+}
+
+void motion_at(const motion_t *motion, double t, double set_points[])
+{
+    evaluate(motion, t, set_points);
+    for (int i = 0; i < N_SET_POINTS; i++) {
+        set_points[i] = fmin(fmax(set_points[i], SET_POINTS[i].low), SET_POINTS[i].high); /* but for a rounding, checked */
     }
 }
 
@@ -84,39 +92,37 @@ int parse_number(const char *text, double *value)
     return (end != text && *end == '\0' && isfinite(*value)) ? 0 : -1;
 }
 
-/* The largest range, speed and acceleration in every sample, held against the limits of each set-point. */
+/* Refuse a value beyond a limit: the quantity, what was found, what is possible, and the mend. */
+static int refuse(char *message, size_t size, int i, const char *what, double value, const char *per, double limit,
+    const char *mend)
+{
+    (void)snprintf(message, size, "%s of %s would be %.6g %s%s, at most %.6g is possible: %s", what, SET_POINTS[i].name,
+        value, SET_POINTS[i].unit, per, limit, mend);
+    return -1;
+}
+
+/* Hold range, speed and acceleration in every sample against the limits of each set-point. A step is held against the
+ * largest one that could be followed within its speed. */
 static int check(const motion_t *motion, char *message, size_t size)
 {
-    double last[SET_POINTS_SIZE] = {0.0}, speed[SET_POINTS_SIZE] = {0.0}, r[SET_POINTS_SIZE];
+    double last[SET_POINTS_SIZE], speed[SET_POINTS_SIZE] = {0.0}, r[SET_POINTS_SIZE];
     const long samples = lround(motion->duration / STAGE_PERIOD_S);
-    for (int i = 0; i < N_SET_POINTS; i++) {
-        const double reach = hypot(motion->a[i], motion->b[i]), least = motion->from[i] + fmin(motion->a[i], 0.0);
-        const int periodic = motion->kind >= MOTION_SINE;
-        const double low = periodic ? motion->from[i] - reach : least;
-        const double high = periodic ? motion->from[i] + reach : motion->from[i] + fmax(motion->a[i], 0.0);
-        if (low < SET_POINTS[i].low - ROUNDING || high > SET_POINTS[i].high + ROUNDING) {
-            (void)snprintf(message, size, "%s would go from %g to %g %s, its range is %g .. %g: make the motion smaller",
-                SET_POINTS[i].name, low, high, SET_POINTS[i].unit, SET_POINTS[i].low, SET_POINTS[i].high);
-            return -1;
-        }
-        if (motion->kind == MOTION_STEP && fabs(motion->a[i]) * LIMITS[i].acceleration > pow(LIMITS[i].speed, 2.0)) {
-            (void)snprintf(message, size, "the step of %s is %g %s, and %g is the largest that keeps its speed: use move",
-                SET_POINTS[i].name, motion->a[i], SET_POINTS[i].unit, pow(LIMITS[i].speed, 2.0) / LIMITS[i].acceleration);
-            return -1;
-        }
-        last[i] = motion->from[i];
-    }
-    for (long k = 1; k <= samples + 1 && motion->kind != MOTION_STEP; k++) {
-        motion_at(motion, (double)k * STAGE_PERIOD_S, r);
+    memcpy(last, motion->from, sizeof last);
+    for (long k = 1; k <= samples + 1; k++) {
+        evaluate(motion, (double)k * STAGE_PERIOD_S, r);
         for (int i = 0; i < N_SET_POINTS; i++) {
+            const signal_t *const s = &SET_POINTS[i];
+            const limits_t *const most = &LIMITS[i];
             const double v = (r[i] - last[i]) / STAGE_PERIOD_S, a = (v - speed[i]) / STAGE_PERIOD_S;
-            const double slack = 1.0 + 1e-3;
-            if (fabs(v) > slack * LIMITS[i].speed || fabs(a) > slack * LIMITS[i].acceleration) {
-                const int fast = fabs(v) > slack * LIMITS[i].speed;
-                (void)snprintf(message, size, "%s of %s would be %.3g %s/%s, the machine follows %.3g: make it slower",
-                    fast ? "the speed" : "the acceleration", SET_POINTS[i].name, fast ? fabs(v) : fabs(a),
-                    SET_POINTS[i].unit, fast ? "s" : "s^2", fast ? LIMITS[i].speed : LIMITS[i].acceleration);
-                return -1;
+            const double slack = ROUNDING * (s->high - s->low), step = most->speed * most->speed / most->acceleration;
+            if (r[i] > s->high + slack) return refuse(message, size, i, "the value", r[i], "", s->high, "make it smaller");
+            if (r[i] < s->low - slack) return refuse(message, size, i, "the value", r[i], "", s->low, "make it larger");
+            if (motion->kind == MOTION_STEP) {
+                if (fabs(motion->a[i]) > step) return refuse(message, size, i, "the step", motion->a[i], "", step, "use move");
+            } else if (fabs(v) > (1.0 + SLACK) * most->speed) {
+                return refuse(message, size, i, "the speed", fabs(v), "/s", most->speed, "make it slower");
+            } else if (fabs(a) > (1.0 + SLACK) * most->acceleration) {
+                return refuse(message, size, i, "the acceleration", fabs(a), "/s^2", most->acceleration, "make it slower");
             }
             speed[i] = v;
             last[i] = r[i];

@@ -2,8 +2,6 @@
 #ifndef OPTIONS_H
 #define OPTIONS_H
 
-#include <stdint.h>
-
 #include "io.h"
 
 enum { MOTIONS = 16 };
@@ -13,12 +11,13 @@ typedef struct {
     const io_t *io;
     io_options_t back_end;
     const char *run, *record, *replay, *motions[MOTIONS];
-    int motion_count, cpu;
-    long lockstep;         /* samples without real time; 0 for the clock */
-    double seconds;        /* of the run; 0 for no end */
-    double stall_s;        /* after which the watchdog kills the loop */
+    int motion_count;
     late_t late;
-    uint64_t late_limit;   /* missed periods in a row */
+    double late_limit; /* missed periods in a row */
+    double lockstep;   /* samples without real time; 0 for the clock */
+    double seconds;    /* of the run; 0 for no end */
+    double stall_ms;   /* after which the watchdog kills the loop */
+    double cpu;        /* -1 for any */
 } options_t;
 
 /* Read the command line. Return 0, or -1 after a message. */

@@ -9,35 +9,38 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "ring.h"
+
 enum { SIZE = 4096, TEXT = 1 << 16, LINE = 64 + 24 * (N_SENSORS + SET_POINTS_SIZE + N_OUTPUTS + 4) };
 
-/* `head` is written by the loop alone and `tail` by the thread alone; both count records since the start. */
 static struct {
     record_t records[SIZE];
-    uint64_t head, tail, dropped;
+    ring_t ring;
+    uint64_t dropped;
     int file, open, ending, error; /* file: -1 for none; open: the loop records; ending: the thread is to close the file */
     char text[TEXT];
     pthread_t thread;
     int finish;
-} ring = {.file = -1};
+} recorder = {.file = -1};
 
-int recorder_is_open(void) { return __atomic_load_n(&ring.open, __ATOMIC_ACQUIRE); }
-int recorder_error(void) { return __atomic_load_n(&ring.error, __ATOMIC_ACQUIRE); }
-uint64_t recorder_dropped(void) { return __atomic_load_n(&ring.dropped, __ATOMIC_RELAXED); }
+static int records(void) { return __atomic_load_n(&recorder.open, __ATOMIC_ACQUIRE); }
+int recorder_is_open(void) { return __atomic_load_n(&recorder.file, __ATOMIC_ACQUIRE) >= 0; }
+int recorder_error(void) { return __atomic_load_n(&recorder.error, __ATOMIC_ACQUIRE); }
+uint64_t recorder_dropped(void) { return __atomic_load_n(&recorder.dropped, __ATOMIC_RELAXED); }
 
 void recorder_push(const record_t *record, int wait)
 {
-    if (!recorder_is_open()) return;
-    const uint64_t head = __atomic_load_n(&ring.head, __ATOMIC_RELAXED);
-    while (head - __atomic_load_n(&ring.tail, __ATOMIC_ACQUIRE) == SIZE) {
+    if (!records()) return;
+    int64_t place;
+    while ((place = ring_place(&recorder.ring, SIZE)) < 0) {
         if (!wait || recorder_error()) {
-            (void)__atomic_add_fetch(&ring.dropped, 1u, __ATOMIC_RELAXED);
+            (void)__atomic_add_fetch(&recorder.dropped, 1u, __ATOMIC_RELAXED);
             return;
         }
         (void)sched_yield();
     }
-    ring.records[head % SIZE] = *record;
-    __atomic_store_n(&ring.head, head + 1u, __ATOMIC_RELEASE);
+    recorder.records[place] = *record;
+    ring_publish(&recorder.ring);
 }
 
 static size_t print_signals(char *text, const signal_t signals[], int count)
@@ -68,11 +71,11 @@ static size_t print_record(char *text, const record_t *r)
 
 static void write_text(const char *text, size_t size)
 {
-    const int file = __atomic_load_n(&ring.file, __ATOMIC_ACQUIRE);
+    const int file = __atomic_load_n(&recorder.file, __ATOMIC_ACQUIRE);
     while (size > 0u && file >= 0 && !recorder_error()) {
         const ssize_t n = write(file, text, size);
         if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) __atomic_store_n(&ring.error, n < 0 ? errno : ENOSPC, __ATOMIC_RELEASE);
+        if (n <= 0) __atomic_store_n(&recorder.error, n < 0 ? errno : ENOSPC, __ATOMIC_RELEASE);
         else {
             text += n;
             size -= (size_t)n;
@@ -83,24 +86,25 @@ static void write_text(const char *text, size_t size)
 /* Write what is in the ring; after a failed write, discard it. */
 static void drain(void)
 {
-    const uint64_t head = __atomic_load_n(&ring.head, __ATOMIC_ACQUIRE);
-    uint64_t tail = __atomic_load_n(&ring.tail, __ATOMIC_RELAXED);
-    while (tail != head) {
-        size_t n = 0;
-        for (; tail != head && n + LINE < TEXT; tail++) n += print_record(ring.text + n, &ring.records[tail % SIZE]);
-        __atomic_store_n(&ring.tail, tail, __ATOMIC_RELEASE);
-        write_text(ring.text, n);
+    size_t n = 0;
+    for (int64_t place; (place = ring_next(&recorder.ring, SIZE)) >= 0; ring_release(&recorder.ring)) {
+        n += print_record(recorder.text + n, &recorder.records[place]);
+        if (n + LINE > TEXT) {
+            write_text(recorder.text, n);
+            n = 0;
+        }
     }
+    write_text(recorder.text, n);
 }
 
 static void write_names(void)
 {
-    size_t n = (size_t)snprintf(ring.text, TEXT, "t [s]");
-    n += print_signals(ring.text + n, SENSORS, N_SENSORS);
-    n += print_signals(ring.text + n, SET_POINTS, N_SET_POINTS);
-    n += print_signals(ring.text + n, OUTPUTS, N_OUTPUTS);
-    n += (size_t)snprintf(ring.text + n, TEXT - n, ",faults [1],phase [1],missed [1]\n");
-    write_text(ring.text, n);
+    size_t n = (size_t)snprintf(recorder.text, TEXT, "t [s]");
+    n += print_signals(recorder.text + n, SENSORS, N_SENSORS);
+    n += print_signals(recorder.text + n, SET_POINTS, N_SET_POINTS);
+    n += print_signals(recorder.text + n, OUTPUTS, N_OUTPUTS);
+    n += (size_t)snprintf(recorder.text + n, TEXT - n, ",faults [1],phase [1],missed [1]\n");
+    write_text(recorder.text, n);
 }
 
 static void *run(void *ignored)
@@ -108,18 +112,18 @@ static void *run(void *ignored)
     int named = 0;
     const struct timespec pause = {.tv_nsec = 5000000};
     for (;;) {
-        const int finish = __atomic_load_n(&ring.finish, __ATOMIC_ACQUIRE);
-        const int ending = finish || __atomic_load_n(&ring.ending, __ATOMIC_ACQUIRE);
-        const int file = __atomic_load_n(&ring.file, __ATOMIC_ACQUIRE);
+        const int finish = __atomic_load_n(&recorder.finish, __ATOMIC_ACQUIRE);
+        const int ending = finish || __atomic_load_n(&recorder.ending, __ATOMIC_ACQUIRE);
+        const int file = __atomic_load_n(&recorder.file, __ATOMIC_ACQUIRE);
         if (file >= 0 && !named) write_names();
         named = file >= 0;
         drain();
         if ((ending || recorder_error()) && file >= 0) {
-            __atomic_store_n(&ring.open, 0, __ATOMIC_RELEASE);
+            __atomic_store_n(&recorder.open, 0, __ATOMIC_RELEASE);
             drain();
             (void)close(file);
-            __atomic_store_n(&ring.file, -1, __ATOMIC_RELEASE);
-            __atomic_store_n(&ring.ending, 0, __ATOMIC_RELEASE);
+            __atomic_store_n(&recorder.file, -1, __ATOMIC_RELEASE);
+            __atomic_store_n(&recorder.ending, 0, __ATOMIC_RELEASE);
             named = 0;
         }
         if (finish) return ignored;
@@ -129,7 +133,7 @@ static void *run(void *ignored)
 
 int recorder_start(void)
 {
-    if (pthread_create(&ring.thread, NULL, run, NULL) == 0) return 0;
+    if (pthread_create(&recorder.thread, NULL, run, NULL) == 0) return 0;
     (void)fprintf(stderr, "recorder: no thread could be started: allow this user more processes\n");
     return -1;
 }
@@ -137,23 +141,23 @@ int recorder_start(void)
 int recorder_open(const char *path)
 {
     struct stat there;
-    if (__atomic_load_n(&ring.file, __ATOMIC_ACQUIRE) >= 0) return EBUSY;
+    if (recorder_is_open()) return EBUSY;
     if (stat(path, &there) == 0 && S_ISREG(there.st_mode)) return EEXIST;
     const int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
     if (file < 0) return errno;
-    __atomic_store_n(&ring.error, 0, __ATOMIC_RELEASE);
-    __atomic_store_n(&ring.file, file, __ATOMIC_RELEASE);
-    __atomic_store_n(&ring.open, 1, __ATOMIC_RELEASE);
+    __atomic_store_n(&recorder.error, 0, __ATOMIC_RELEASE);
+    __atomic_store_n(&recorder.file, file, __ATOMIC_RELEASE);
+    __atomic_store_n(&recorder.open, 1, __ATOMIC_RELEASE);
     return 0;
 }
 
 void recorder_stop(void)
 {
-    if (recorder_is_open()) __atomic_store_n(&ring.ending, 1, __ATOMIC_RELEASE);
+    if (records()) __atomic_store_n(&recorder.ending, 1, __ATOMIC_RELEASE);
 }
 
 void recorder_finish(void)
 {
-    __atomic_store_n(&ring.finish, 1, __ATOMIC_RELEASE);
-    (void)pthread_join(ring.thread, NULL);
+    __atomic_store_n(&recorder.finish, 1, __ATOMIC_RELEASE);
+    (void)pthread_join(recorder.thread, NULL);
 }

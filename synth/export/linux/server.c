@@ -84,13 +84,25 @@ static void reply_names(char *reply)
     }
 }
 
+static int put(const command_t *command)
+{
+    const int64_t place = ring_place(&server.shared->command_ring, COMMANDS);
+    if (place < 0) return -1;
+    server.shared->commands[place] = *command;
+    ring_publish(&server.shared->command_ring);
+    return 0;
+}
+
 /* Wait for the loop to obey, so that the next `status` shows what this command did. */
 static void send_order(char *reply, const command_t *command)
 {
     const struct timespec pause = {.tv_nsec = 100000};
     const uint64_t before = board_latest(&server.shared->board)->commands;
-    int waited = mailbox_put(&server.shared->box, command) == 0 ? 0 : PATIENCE;
-    for (; waited < PATIENCE && board_latest(&server.shared->board)->commands == before; waited++) (void)nanosleep(&pause, NULL);
+    int waited = put(command) == 0 ? 0 : PATIENCE;
+    while (waited < PATIENCE && board_latest(&server.shared->board)->commands == before) {
+        (void)nanosleep(&pause, NULL);
+        waited++;
+    }
     add(reply, waited < PATIENCE ? "ok" : "error: the loop does not answer: look at its log");
 }
 
@@ -206,7 +218,9 @@ static void accept_client(void)
 /* Print the changes of the phase, with the reason of a stop. */
 static void print_events(void)
 {
-    for (event_t event; events_take(&server.shared->events, &event);) {
+    ring_t *const ring = &server.shared->event_ring;
+    for (int64_t place; (place = ring_next(ring, EVENTS)) >= 0; ring_release(ring)) {
+        const event_t event = server.shared->events[place];
         const int stopped = event.phase > RUNNING && event.reason != NULL;
         (void)fprintf(stderr, "%s: %s%s%s\n", STAGE_NAME, PHASES[event.phase], stopped ? ": " : "",
             stopped ? event.reason : "");
@@ -224,7 +238,7 @@ static void *run(void *ignored)
             if (polled[k + 1].revents && server.clients[k].socket >= 0) receive(&server.clients[k]);
         }
         if (polled[0].revents) accept_client();
-        if (server.stop_due && mailbox_put(&server.shared->box, &stop) == 0) server.stop_due = 0;
+        if (server.stop_due && put(&stop) == 0) server.stop_due = 0;
         print_events();
     }
     print_events();

@@ -25,14 +25,14 @@ static void pause_ns(long ns)
 
 static void make_safe(machine_t *machine, const io_t *io)
 {
-    int there = !machine->enabled;
+    int there = !machine->enabled, written = 1;
     for (double t = 0.0; t < LONGEST_S && !there; t += STAGE_PERIOD_S) {
         there = machine_make_safe(machine);
-        (void)io->write(machine->outputs, 1);
+        written = io->write(machine->outputs, 1) == 0;
         pause_ns(STAGE_PERIOD_NS);
     }
-    (void)io->write(machine->outputs, 0);
-    (void)fprintf(stderr, "watchdog: the outputs are %s\n", there ? "safe" : "NOT SAFE");
+    written &= io->write(machine->outputs, 0) == 0;
+    (void)fprintf(stderr, "watchdog: the outputs are %s\n", there && written ? "safe" : "NOT SAFE: cut the power");
 }
 
 int watchdog_run(shared_t *shared, const io_t *io, pid_t loop, double stall_s)
