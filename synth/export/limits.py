@@ -3,29 +3,33 @@
     q'' = a(x, u),   B = da/du,   u0: a(x0, u0) = 0,   B+ = pinv(B)
     a_max,i = FRACTION * max s   such that u0 +- s B+ e_i stays within the ranges of the actuators
 
-The rest of the actuators is left to feedback. The speed is the range of the velocity's state.
+The rest of the actuators is left to feedback. The speed is the range of the velocity's state. The largest step is that
+of the stage's experiments, or SHARE of the range where they have none.
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 import casadi as ca
 import numpy as np
 
 from synth.declare.stage import Stage
+from synth.simulate.experiments import Runnable, StepResponse
 from synth.statespace import Array
 
 FRACTION = 0.5  # of the actuators, for set-points
+SHARE = 0.1  # of the range of a set-point: a step
 RISE = 20  # samples: from no acceleration to the largest
 TRAVEL_S = 0.1  # across the range of a set-point whose position is no state
 
 
 class Limits(NamedTuple):
-    """The largest speed, acceleration and jerk of a set-point, in its unit per s, s^2 and s^3."""
+    """The largest speed, acceleration, jerk and step of a set-point, in its unit per s, s^2, s^3, and in its unit."""
 
     speed: float
     acceleration: float
     jerk: float
+    step: float
 
 
 def of_stage(stage: Stage, positions: Mapping[str, str], home: Mapping[str, float]) -> dict[str, Limits]:
@@ -40,7 +44,14 @@ def of_stage(stage: Stage, positions: Mapping[str, str], home: Mapping[str, floa
         x0 = np.array([start.get(n, 0.0) for n in names])
         for (name, i), a in zip(controlled.items(), _accelerations(stage, x0, list(controlled.values())), strict=True):
             bounds[name] = _largest_rate(stage, i, bounds[name][0]), a if a > 0 else bounds[name][1]
-    return {name: Limits(v, a, a / (RISE * period)) for name, (v, a) in bounds.items()}
+    steps = {
+        name: [abs(e.height) for e in stage.experiments if _steps(e, name)] or [SHARE * ranges[name]] for name in ranges
+    }
+    return {name: Limits(v, a, a / (RISE * period), max(steps[name])) for name, (v, a) in bounds.items()}
+
+
+def _steps(experiment: Runnable, name: str) -> TypeGuard[StepResponse]:
+    return isinstance(experiment, StepResponse) and experiment.set_point == name
 
 
 def _largest_rate(stage: Stage, i: int, otherwise: float) -> float:

@@ -8,7 +8,7 @@
 #define TWO_PI 6.283185307179586
 #define ROUNDED 0.1         /* of a ramp, or of a zigzag's quarter: its rounded end */
 #define LONGEST_S 3600.0    /* of a motion, all samples of which are checked */
-#define ROUNDING 1e-9       /* of a range: more than a sum rounds by */
+#define ROUNDING 1e-6       /* of a range, which is in single precision */
 #define SLACK 1e-3          /* relative, of speeds and accelerations from finite differences */
 
 /* 0 .. 1 with no speed and no acceleration at its ends; peaks of its derivatives: 1.875, 5.774, 60. */
@@ -101,8 +101,7 @@ static int refuse(char *message, size_t size, int i, const char *what, double va
     return -1;
 }
 
-/* Hold range, speed and acceleration in every sample against the limits of each set-point. A step is held against the
- * largest one that could be followed within its speed. */
+/* Hold range, speed and acceleration in every sample against the limits of each set-point. */
 static int check(const motion_t *motion, char *message, size_t size)
 {
     double last[SET_POINTS_SIZE], speed[SET_POINTS_SIZE] = {0.0}, r[SET_POINTS_SIZE];
@@ -114,11 +113,13 @@ static int check(const motion_t *motion, char *message, size_t size)
             const signal_t *const s = &SET_POINTS[i];
             const limits_t *const most = &LIMITS[i];
             const double v = (r[i] - last[i]) / STAGE_PERIOD_S, a = (v - speed[i]) / STAGE_PERIOD_S;
-            const double slack = ROUNDING * (s->high - s->low), step = most->speed * most->speed / most->acceleration;
+            const double slack = ROUNDING * (s->high - s->low);
             if (r[i] > s->high + slack) return refuse(message, size, i, "the value", r[i], "", s->high, "make it smaller");
             if (r[i] < s->low - slack) return refuse(message, size, i, "the value", r[i], "", s->low, "make it larger");
             if (motion->kind == MOTION_STEP) {
-                if (fabs(motion->a[i]) > step) return refuse(message, size, i, "the step", motion->a[i], "", step, "use move");
+                if (fabs(motion->a[i]) > most->step + slack) {
+                    return refuse(message, size, i, "the step", fabs(motion->a[i]), "", most->step, "use move");
+                }
             } else if (fabs(v) > (1.0 + SLACK) * most->speed) {
                 return refuse(message, size, i, "the speed", fabs(v), "/s", most->speed, "make it slower");
             } else if (fabs(a) > (1.0 + SLACK) * most->acceleration) {
