@@ -10,10 +10,12 @@ import subprocess
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from synth.execute import compile as host_compiler
 from synth.export import records
+from tests import tools
 from tests.export import harness
 
 pytestmark = pytest.mark.slow
@@ -67,7 +69,7 @@ def test_a_rehearsal_lifts_off_moves_and_sets_down(loop: Path) -> None:
     z, phase = log.samples["z"], log.samples["phase"]
     assert z[0] < -5.9e-4 and abs(z[phase == 3][-1]) < 1e-6, "from its stop to the middle"
     assert z[phase == 3].max() > 0.9e-4, "the sine"
-    assert log.samples["i1"][-1] == 0.0 and phase[-1] == 6.0
+    assert log.samples["i1"][-1] == 0.0 and phase[-1] == 7.0
     assert records.units(loop / "run.csv")["i1"] == "A"
 
 
@@ -251,6 +253,7 @@ def test_a_client_program_prints_the_answer(loop: Path) -> None:
     assert subprocess.run([*ask, "status"], cwd=loop, capture_output=True).returncode == 2
 
 
+@tools.needs("cc", shows="that the loop allocates nothing")
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="needs glibc: would show that nothing allocates")
 @pytest.mark.parametrize("planted", [False, True])
 def test_nothing_is_allocated_once_the_loop_runs(planted: bool, built: Path, loop: Path) -> None:
@@ -278,3 +281,18 @@ def test_other_vectors_are_seen(loop: Path) -> None:
     done = harness.call(loop, "--replay", "other")
     assert done.returncode == 1 and "1 of 1000 samples differ" in done.stdout
     assert harness.call(loop, "--replay", "nowhere").returncode == 1
+
+
+def test_a_stop_in_motion_brakes_first(loop: Path) -> None:
+    with harness.running(loop, *PLANT, "--record", "run.csv") as running:
+        running.wait("phase=running moving=0")
+        assert running.ask("sine x_ref 2e-4 5 1000") == "ok"
+        time.sleep(0.5)
+        assert running.ask("stop") == "ok"
+        running.wait("phase=disabled")
+    assert "levitator_2dof: braking: a client asked for it\nlevitator_2dof: stopping" in running.log
+    log = records.read(loop / "run.csv")
+    braking = log.samples["phase"] == 4
+    assert 0.35 < 5e-4 * np.count_nonzero(braking) <= 0.4
+    speed = np.abs(np.diff(log.samples["x_ref"][braking]))
+    assert speed[0] > 0 and np.all(speed[250:] == 0), "the set-point is at rest after 0.1 s"

@@ -7,10 +7,12 @@
 #define GOOD_S 0.1    /* of good sensors before a start */
 #define REST_S 0.25   /* without a movement before a start */
 #define ENABLE_S 0.1  /* under the safe output, until the amplifiers are on */
-#define BRAKE_S 0.1   /* in which a held motion comes to a stop on its path */
-#define LANDED_S 0.5  /* of unchanged outputs after a latch, before the amplifiers go off */
+#define BRAKE_S 0.1   /* in which the set-points of a held motion come to rest on its path */
+#define SETTLE_S 0.3  /* in which the machine follows them, before the outputs of a stop go to the safe ones */
+#define STILL_S 0.5   /* of unchanged outputs after a latch, before the amplifiers go off, */
+#define LATCHED_S 5.0 /* and the longest time until then */
 
-const char *const PHASES[] = {"waiting", "enabling", "starting", "running", "latched", "stopping", "disabled"};
+const char *const PHASES[] = {"waiting", "enabling", "starting", "running", "braking", "latched", "stopping", "disabled"};
 
 void machine_init(machine_t *machine, int prompt)
 {
@@ -41,12 +43,21 @@ int machine_may_start(const machine_t *machine)
     return machine->phase == DISABLED && machine->quiet >= SAMPLES(REST_S);
 }
 
-static void stop(machine_t *machine, const char *reason)
+static void enter(machine_t *machine, phase_t phase)
 {
-    if (machine->phase == DISABLED || machine->phase == STOPPING) return;
-    if (machine->phase != LATCHED_PHASE) machine->reason = reason;
-    machine->motion.kind = MOTION_NONE;
-    machine->phase = machine->enabled ? STOPPING : DISABLED;
+    machine->phase = phase;
+    machine->since = 0u;
+    if (phase > BRAKING) machine->motion.kind = MOTION_NONE;
+    if (phase == DISABLED) machine->enabled = 0;
+}
+
+/* A machine in motion brakes first. After a latch the step itself leads to the safe outputs. */
+static void stop(machine_t *machine, const char *reason, int at_once)
+{
+    if (machine->phase > BRAKING || (machine->phase == BRAKING && !at_once)) return;
+    machine->reason = reason;
+    machine->holding = 1;
+    enter(machine, !machine->enabled ? DISABLED : (machine_is_moving(machine) && !at_once) ? BRAKING : STOPPING);
 }
 
 /* A motion was checked from its own start; from elsewhere it would jump. */
@@ -73,9 +84,9 @@ void machine_command(machine_t *machine, const command_t *command)
         break;
     case COMMAND_HOLD: machine->holding = machine->phase == RUNNING; break;
     case COMMAND_START:
-        if (machine_may_start(machine)) machine->phase = WAITING;
+        if (machine_may_start(machine)) enter(machine, WAITING);
         break;
-    case COMMAND_STOP: stop(machine, command->reason); break;
+    case COMMAND_STOP: stop(machine, command->reason, command->at_once); break;
     default: break;
     }
 }
@@ -90,7 +101,7 @@ static void move(machine_t *machine)
     motion_at(&machine->motion, over ? machine->motion.duration : machine->t, machine->set_points);
     if (over || !(machine->rate > 0.0)) {
         machine->motion.kind = MOTION_NONE;
-        if (machine->phase == STARTING) machine->phase = RUNNING;
+        if (machine->phase == STARTING) enter(machine, RUNNING);
     }
 }
 
@@ -105,7 +116,7 @@ static void start(machine_t *machine)
     machine->holding = 0;
     machine->latch_cause = 0u;
     machine->enabled = 1;
-    machine->phase = N_SET_POINTS ? STARTING : RUNNING;
+    enter(machine, N_SET_POINTS ? STARTING : RUNNING);
 }
 
 static void call(machine_t *machine, double missed)
@@ -114,16 +125,15 @@ static void call(machine_t *machine, double missed)
     memcpy(before, machine->outputs, sizeof before);
     machine->faults = stage_step(&machine->stage, machine->sensors, machine->set_points, missed, machine->outputs);
     if ((machine->faults & LATCHED) != 0u && machine->phase != LATCHED_PHASE) {
-        machine->phase = LATCHED_PHASE;
         machine->reason = "the controller latched";
         machine->latch_cause = machine->faults;
-        machine->samples = 0u;
+        enter(machine, LATCHED_PHASE);
     }
     /* The outputs of a latched step move in its calls alone, so it is called until they stand still. */
-    machine->samples = (memcmp(before, machine->outputs, sizeof before) == 0) ? machine->samples + 1u : 0u;
-    if (machine->phase == LATCHED_PHASE && machine->samples >= SAMPLES(LANDED_S)) {
-        machine->phase = DISABLED;
-        machine->enabled = 0;
+    machine->still = (memcmp(before, machine->outputs, sizeof before) == 0) ? machine->still + 1u : 0u;
+    if (machine->phase == LATCHED_PHASE && machine->since >= SAMPLES(STILL_S)) {
+        if (machine->still >= SAMPLES(STILL_S)) enter(machine, DISABLED);
+        else if (machine->since >= SAMPLES(LATCHED_S)) enter(machine, STOPPING);
     }
 }
 
@@ -132,39 +142,42 @@ int machine_make_safe(machine_t *machine)
     return stage_safe_step(&machine->stage, machine->outputs);
 }
 
+/* Put the step and the set-points to where the machine rests. */
+static void reset(machine_t *machine)
+{
+    stage_pose(machine->sensors, machine->set_points);
+    stage_init(&machine->stage, machine->sensors, machine->set_points);
+    (void)machine_make_safe(machine);
+}
+
 void machine_sample(machine_t *machine, const double sensors[], double missed)
 {
     look(machine, sensors);
-    if (machine->phase == WAITING) {
-        machine->enabled = 0;
-        const int ready = machine->good >= SAMPLES(GOOD_S) && machine->quiet >= SAMPLES(REST_S);
-        if (machine->good > 0u) {
-            stage_pose(sensors, machine->set_points);
-            stage_init(&machine->stage, sensors, machine->set_points);
-            (void)machine_make_safe(machine);
-        }
-        if (ready) {
-            machine->samples = 0u;
+    machine->since += 1u;
+    if (machine->phase == WAITING && machine->good > 0u) {
+        reset(machine);
+        if (machine->prompt) start(machine);
+        else if (machine->good >= SAMPLES(GOOD_S) && machine->quiet >= SAMPLES(REST_S)) {
             machine->enabled = 1;
-            machine->phase = ENABLING;
+            enter(machine, ENABLING);
         }
-        if (machine->prompt && machine->good > 0u) start(machine);
-    } else if (machine->phase == ENABLING) {
-        if (machine->good == 0u) stop(machine, "a sensor failed before the start");
-        else if (++machine->samples >= SAMPLES(ENABLE_S)) {
-            stage_pose(sensors, machine->set_points);
-            stage_init(&machine->stage, sensors, machine->set_points);
-            start(machine);
-        }
+    } else if (machine->phase == ENABLING && machine->good == 0u) {
+        stop(machine, "a sensor failed before the start", 1);
+    } else if (machine->phase == ENABLING && machine->since >= SAMPLES(ENABLE_S)) {
+        reset(machine);
+        start(machine);
     } else {
         move(machine);
     }
     switch (machine->phase) {
+    case BRAKING:
+        call(machine, missed);
+        if (machine->phase == BRAKING && machine->since >= SAMPLES(BRAKE_S + SETTLE_S)) enter(machine, STOPPING);
+        break;
     case STARTING: case RUNNING: case LATCHED_PHASE: call(machine, missed); break;
     case STOPPING:
-        if (machine_make_safe(machine)) machine->phase = DISABLED;
+        if (machine_make_safe(machine)) enter(machine, DISABLED);
         break;
-    case DISABLED: machine->enabled = 0; break;
-    case WAITING: case ENABLING: default: break;
+    case WAITING: case ENABLING: case DISABLED: default: break;
     }
 }

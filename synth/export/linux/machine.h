@@ -7,8 +7,8 @@
 #include "motion.h"
 #include "stage.h"
 
-/* waiting -> enabling -> starting -> running -> latched or stopping -> disabled -> waiting, by `start` at rest. */
-typedef enum { WAITING, ENABLING, STARTING, RUNNING, LATCHED_PHASE, STOPPING, DISABLED } phase_t;
+/* waiting -> enabling -> starting -> running -> latched, or braking and stopping -> disabled -> waiting, by `start`. */
+typedef enum { WAITING, ENABLING, STARTING, RUNNING, BRAKING, LATCHED_PHASE, STOPPING, DISABLED } phase_t;
 extern const char *const PHASES[];
 
 typedef enum { COMMAND_MOTION, COMMAND_HOLD, COMMAND_START, COMMAND_STOP } order_t;
@@ -17,6 +17,7 @@ typedef struct {
     order_t order;
     motion_t motion;
     const char *reason; /* of a stop: a text that lasts */
+    int at_once;        /* a stop that must not wait for a motion to come to rest */
 } command_t;
 
 typedef struct {
@@ -25,7 +26,7 @@ typedef struct {
     const char *reason; /* of the last stop */
     uint32_t faults, latch_cause;
     uint64_t commands;             /* of clients, so far */
-    uint64_t samples, good, quiet; /* in a row: in this phase or with these outputs, with good sensors, at rest */
+    uint64_t since, still, good, quiet; /* samples in a row: in this phase, with these outputs, good sensors, at rest */
     motion_t motion;
     double t, rate; /* time of the motion, and how fast it passes: 1, or on the way to 0 in a hold */
     int holding, enabled, prompt; /* prompt: no waiting, for a simulation in lock step */

@@ -154,7 +154,7 @@ static int run(const options_t *options, shared_t *shared)
         if (options->late == LATE_HOLD && missed) machine_command(m, &(command_t){.order = COMMAND_HOLD});
         const char *const end = end_reason(options, time);
         const char *const reason = end ? end : stop_reason(options, missed, failed || read_failed);
-        if (reason) machine_command(m, &(command_t){.order = COMMAND_STOP, .reason = reason});
+        if (reason) machine_command(m, &(command_t){COMMAND_STOP, .reason = reason, .at_once = failed || read_failed});
         note_phase(m, &noted);
         machine_sample(m, sensors, (double)missed);
         note_phase(m, &noted);
