@@ -149,6 +149,8 @@ def _facts(
         "outputs": [_signal(f) | {"source": f["source"]} for f in outputs],
         "faults": [_fault(f) for f in manifest["faults"]],
         "safe": safe,
+        "safe_is_off": int(not any(safety["safe_output"].values())),
+        "rests_off": int("landed_output" in safety and not any(safety["landed_output"].values())),
         "rehearsal": _rehearsal(interface.set_points, home, least),
     }
     tables = plant_files.tables(rig, [f["name"] for f in outputs], sizes)

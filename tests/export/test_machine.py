@@ -26,20 +26,21 @@ PLANT = ("--io", "plant", *STALL)
 
 
 class Memory:
-    """The machine behind `--io shm`: two sensors at rest, and what the loop gives."""
+    """The machine behind `--io shm`: sensors at rest, and what the loop gives."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, sensors: int = 2, outputs: int = 2) -> None:
+        self.sensors, self.count = sensors, outputs
         with path.open("wb") as file:
-            file.write(bytes(8 * (HEADER + 4)))
+            file.write(bytes(8 * (HEADER + sensors + outputs)))
         self.file = path.open("r+b")
         self.words = mmap.mmap(self.file.fileno(), 0)
 
     def sense(self, *values: float) -> None:
-        struct.pack_into("2d", self.words, 8 * HEADER, *values)
+        struct.pack_into(f"{self.sensors}d", self.words, 8 * HEADER, *values)
 
     @property
     def outputs(self) -> tuple[float, ...]:
-        return struct.unpack_from("2d", self.words, 8 * (HEADER + 2))
+        return struct.unpack_from(f"{self.count}d", self.words, 8 * (HEADER + self.sensors))
 
     @property
     def enabled(self) -> int:
@@ -296,3 +297,39 @@ def test_a_stop_in_motion_brakes_first(loop: Path) -> None:
     assert 0.35 < 5e-4 * np.count_nonzero(braking) <= 0.4
     speed = np.abs(np.diff(log.samples["x_ref"][braking]))
     assert speed[0] > 0 and np.all(speed[250:] == 0), "the set-point is at rest after 0.1 s"
+
+
+@pytest.mark.whole
+def test_a_machine_in_flight_keeps_the_safe_output_that_lowers_it(tmp_path: Path) -> None:
+    """Without current its magnets would pull it up; on its stop it needs none."""
+    name, lying, flying = "maglev_5dof", (0.031,) * 4 + (0.0, 0.0), (0.025,) * 4 + (0.0, 0.0)
+    harness.build(harness.export(name, tmp_path))
+    memory = Memory(tmp_path / "io", 6, 12)
+    memory.sense(*lying)
+    with harness.running(tmp_path, *SHM, name=name) as running:
+        running.wait("phase=starting")
+        memory.sense(*(float("nan"),) * 3, *flying[3:])
+        running.wait("phase=latched")
+        time.sleep(3)
+        assert "phase=latched" in running.ask("status") and memory.enabled
+        amplitude = max(map(abs, memory.outputs))
+        assert 0.8 * 2.5 * 2**0.5 < amplitude < 1.01 * 2.5 * 2**0.5, "2.5 A rms"
+        memory.sense(*lying)
+        running.wait("phase=disabled")
+        assert not memory.enabled
+
+
+@pytest.mark.whole
+def test_a_process_that_ends_in_flight_leaves_the_safe_output_on(tmp_path: Path) -> None:
+    name = "maglev_5dof"
+    harness.build(harness.export(name, tmp_path))
+    memory = Memory(tmp_path / "io", 6, 12)
+    memory.sense(*(0.031,) * 4, 0.0, 0.0)
+    with harness.running(tmp_path, *SHM, name=name) as running:
+        running.wait("phase=starting")
+        memory.sense(*(float("nan"),) * 3, 0.025, 0.0, 0.0)
+        running.wait("phase=latched")
+        running.process.terminate()
+        assert running.end() == 1
+    assert memory.enabled and max(map(abs, memory.outputs)) > 2.5
+    assert "the amplifiers stay on, with the safe output" in running.log

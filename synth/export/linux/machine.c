@@ -9,8 +9,8 @@
 #define ENABLE_S 0.1  /* under the safe output, until the amplifiers are on */
 #define BRAKE_S 0.1   /* in which the set-points of a held motion come to rest on its path */
 #define SETTLE_S 0.3  /* in which the machine follows them, before the outputs of a stop go to the safe ones */
-#define STILL_S 0.5   /* of unchanged outputs after a latch, before the amplifiers go off, */
-#define LATCHED_S 5.0 /* and the longest time until then */
+#define STILL_S 0.5   /* of unchanged outputs after a latch, before the amplifiers go off */
+#define KEPT_S 2.0    /* of the safe output, before the process may end and leave it on */
 
 const char *const PHASES[] = {"waiting", "enabling", "starting", "running", "braking", "latched", "stopping", "disabled"};
 
@@ -40,7 +40,18 @@ int machine_is_moving(const machine_t *machine)
 
 int machine_may_start(const machine_t *machine)
 {
-    return machine->phase == DISABLED && machine->quiet >= SAMPLES(REST_S);
+    return machine->phase > BRAKING && machine->quiet >= SAMPLES(REST_S);
+}
+
+int machine_may_end(const machine_t *machine)
+{
+    return machine->phase == DISABLED || (machine->phase > BRAKING && machine->since >= SAMPLES(KEPT_S));
+}
+
+/* 1 where the amplifiers may go off: not under a machine in flight whose safe output lowers it. */
+static int may_disable(const machine_t *machine)
+{
+    return STAGE_SAFE_IS_OFF || (STAGE_RESTS_OFF && machine->quiet >= SAMPLES(REST_S));
 }
 
 static void enter(machine_t *machine, phase_t phase)
@@ -131,10 +142,8 @@ static void call(machine_t *machine, double missed)
     }
     /* The outputs of a latched step move in its calls alone, so it is called until they stand still. */
     machine->still = (memcmp(before, machine->outputs, sizeof before) == 0) ? machine->still + 1u : 0u;
-    if (machine->phase == LATCHED_PHASE && machine->since >= SAMPLES(STILL_S)) {
-        if (machine->still >= SAMPLES(STILL_S)) enter(machine, DISABLED);
-        else if (machine->since >= SAMPLES(LATCHED_S)) enter(machine, STOPPING);
-    }
+    const uint64_t still = (machine->still < machine->since) ? machine->still : machine->since;
+    if (machine->phase == LATCHED_PHASE && still >= SAMPLES(STILL_S) && may_disable(machine)) enter(machine, DISABLED);
 }
 
 int machine_make_safe(machine_t *machine)
@@ -155,6 +164,7 @@ void machine_sample(machine_t *machine, const double sensors[], double missed)
     look(machine, sensors);
     machine->since += 1u;
     if (machine->phase == WAITING && machine->good > 0u) {
+        machine->enabled = !(STAGE_SAFE_IS_OFF || STAGE_RESTS_OFF);
         reset(machine);
         if (machine->prompt) start(machine);
         else if (machine->good >= SAMPLES(GOOD_S) && machine->quiet >= SAMPLES(REST_S)) {
@@ -176,7 +186,7 @@ void machine_sample(machine_t *machine, const double sensors[], double missed)
         break;
     case STARTING: case RUNNING: case LATCHED_PHASE: call(machine, missed); break;
     case STOPPING:
-        if (machine_make_safe(machine)) enter(machine, DISABLED);
+        if (machine_make_safe(machine) && may_disable(machine)) enter(machine, DISABLED);
         break;
     case WAITING: case ENABLING: case DISABLED: default: break;
     }

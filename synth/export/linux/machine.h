@@ -50,4 +50,7 @@ int machine_is_moving(const machine_t *machine);
 /* 1 where a start would be obeyed. */
 int machine_may_start(const machine_t *machine);
 
+/* 1 once the process may end: the amplifiers are off, or have had the safe output for a while and keep it. */
+int machine_may_end(const machine_t *machine);
+
 #endif

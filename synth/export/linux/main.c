@@ -119,6 +119,7 @@ static void report(const machine_t *m, uint64_t calls, const lateness_t *late)
 {
     char faults[1024];
     fault_text(m->latch_cause, faults, sizeof faults);
+    if (m->enabled) (void)fprintf(stderr, "%s: the amplifiers stay on, with the safe output\n", STAGE_NAME);
     (void)fprintf(stderr, "%s: %llu samples, %llu periods missed, %llu records dropped; ended %s: %s; latched by: %s\n",
         STAGE_NAME, (unsigned long long)calls, (unsigned long long)late->missed, (unsigned long long)recorder_dropped(),
         PHASES[m->phase], m->reason ? m->reason : "-", faults);
@@ -164,9 +165,10 @@ static int run(const options_t *options, shared_t *shared)
         (void)__atomic_add_fetch(&shared->beat, 1u, __ATOMIC_RELEASE);
         record(m, (double)time * STAGE_PERIOD_S, missed, options->lockstep > 0.0);
         publish(m, sample + 1u, &late);
-        done = (end && m->phase == DISABLED) || (options->lockstep > 0.0 && (double)(sample + 1u) >= options->lockstep);
+        done = (end && machine_may_end(m)) || (options->lockstep > 0.0 && (double)(sample + 1u) >= options->lockstep);
     }
-    (void)options->io->write(m->outputs, 0);
+    if (options->lockstep > 0.0) m->enabled = 0; /* it ends anywhere */
+    (void)options->io->write(m->outputs, m->enabled);
     if (!(options->lockstep > 0.0)) server_finish();
     recorder_finish();
     options->io->close();

@@ -31,7 +31,8 @@ static void make_safe(machine_t *machine, const io_t *io)
         written = io->write(machine->outputs, 1) == 0;
         pause_ns(STAGE_PERIOD_NS);
     }
-    written &= io->write(machine->outputs, 0) == 0;
+    /* Off where that is safe; else the hardware holds the safe output. */
+    if (STAGE_SAFE_IS_OFF || !machine->enabled) written &= io->write(machine->outputs, 0) == 0;
     (void)fprintf(stderr, "watchdog: the outputs are %s\n", there && written ? "safe" : "NOT SAFE: cut the power");
 }
 
