@@ -25,7 +25,6 @@ from synth.check import Check
 from synth.declare.stage import Stage
 from synth.emit import write
 from synth.emit.c import vectors
-from synth.errors import DesignError
 from synth.report import first_screen
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
@@ -274,20 +273,15 @@ def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
 def export(name: str, target: str, out: Path, fresh: bool) -> int:
     """Write a project that runs the emitted step of a design on a target, and print what to do next.
 
-    Raises DesignError for a design without a declaration, and as `project.project`.
+    Raises as `project.project`.
     """
     from synth.export import project
 
-    (design,) = workspace.designs(Path.cwd(), [name])
-    if design.stage is None:
-        raise DesignError(
-            f"design '{name}' has tasks and no declaration: its plant and its wiring are not known; make it with "
-            "stage.design"
-        )
+    (stage,) = workspace.designs(Path.cwd(), [name])
     say = partial(writer(False), name)
     with store.fresh_run() if fresh else nullcontext():
-        emitted = tasks.emission(design, design.scalar).result(say)
-    for kept in project.project(design.stage, emitted, target).save(out):
+        emitted = tasks.emission(stage, stage.scalar).result(say)
+    for kept in project.project(stage, emitted, target).save(out):
         say(f"{out / kept} is yours and stays as it is")
     say(f"a project for {target} in {out}; next: make -C {out} rehearsal")
     return 0

@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 
 from synth.app import workspace
-from synth.app.workspace import Design
 from synth.base import store
 from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
@@ -28,14 +27,8 @@ ROOT = Path(__file__).parents[2]
 
 
 @cache
-def design(name: str) -> Design:
-    return workspace.designs(ROOT, [name])[0]
-
-
 def stage(name: str) -> Stage:
-    declared = design(name).stage
-    assert declared is not None
-    return declared
+    return workspace.designs(ROOT, [name])[0]
 
 
 @cache
