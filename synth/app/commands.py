@@ -277,6 +277,7 @@ def export(name: str, target: str, out: Path, fresh: bool) -> int:
     """
     from synth.export import project
 
+    project.require_target(target)
     (stage,) = workspace.designs(Path.cwd(), [name])
     say = partial(writer(False), name)
     with store.fresh_run() if fresh else nullcontext():

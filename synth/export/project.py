@@ -52,8 +52,7 @@ def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Pr
     Raises DesignError for another target and for a step that is not among the emitted code, WiringError for an input of
     the drive that nothing gives.
     """
-    if target not in TARGETS:
-        raise DesignError(f"the target of the export is '{target}': choose one of {', '.join(TARGETS)}")
+    require_target(target)
     manifests = {folder: code.manifest for folder, code in emitted.items()}
     needed = [stage.name, *(block.name for block in (stage.drive.blocks if stage.drive else ()))]
     if missing := [name for name in needed if name not in emitted]:
@@ -68,6 +67,12 @@ def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Pr
     rig = rigs.of_stage(stage, host.load(emitted[stage.name].files, emitted[stage.name].manifest))
     facts, model = _facts(stage, manifests, rig)
     return Project({**code, **recorded, **{f"src/{n}": t for n, t in model.items()}, **_render(facts)})
+
+
+def require_target(target: str) -> None:
+    """Raise DesignError for a target that there is no project for."""
+    if target not in TARGETS:
+        raise DesignError(f"the target of the export is '{target}': choose one of {', '.join(TARGETS)}")
 
 
 def _render(facts: Mapping[str, Any]) -> dict[str, str]:

@@ -4,10 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import casadi as ca
+import numpy as np
+
 from synth.declare.stage import Stage
 from synth.errors import WiringError
 
 CONTROLLER = "controller"
+TOLERANCE = 1e-9  # of weights of sensors
 
 
 @dataclass(frozen=True)
@@ -65,7 +69,38 @@ def outputs(stage: Stage, manifests: Mapping[str, Mapping[str, Any]]) -> list[di
 
 
 def pose(stage: Stage, of: str, sensors: Sequence[str]) -> str:
-    """Return the C expression of a coordinate at rest, "" where no sensor and no sum of sensors shows it."""
+    """Return the C expression of a coordinate at rest, "" where no sensor and no sum of sensors shows it.
+
+    A sum is a declared one, or follows from the sensors that are linear in the states: y = J x + c, q = w (y - c) with
+    w J = e_q.
+    """
     read = {s.of: s.name for s in stage.interface.sensors} | {s.name: s.name for s in stage.interface.sensors}
-    weights = {read[of]: 1.0} if of in read else dict(stage.coordinates.get(of, {}))
-    return " + ".join(f"({float(w)!r} * sensors[{sensors.index(name)}])" for name, w in weights.items())
+    weights, offset = ({read[of]: 1.0}, 0.0) if of in read else (dict(stage.coordinates.get(of, {})), 0.0)
+    if not weights:
+        weights, offset = _linear_sum(stage, of)
+    terms = [f"({w!r} * sensors[{sensors.index(name)}])" for name, w in weights.items()]
+    return " + ".join([*terms, *([repr(offset)] if offset else [])])
+
+
+def _linear_sum(stage: Stage, state: str) -> tuple[dict[str, float], float]:
+    plant, names = stage.plant, [s.name for s in stage.plant.states]
+    outputs = [s.name for s in plant.outputs]
+    x = ca.SX.sym("x", len(names))
+    h = plant.h(x, ca.SX.zeros(len(plant.inputs)), plant.values)
+    rows = {s.name: ca.jacobian(h[outputs.index(s.of)], x) for s in stage.interface.sensors}
+    linear = [name for name, row in rows.items() if row.is_constant()]
+    if state not in names or not linear:
+        return {}, 0.0
+    J = np.array([np.asarray(ca.DM(rows[name])).ravel() for name in linear])
+    unit = np.eye(len(names))[names.index(state)]
+    w = np.linalg.lstsq(J.T, unit, rcond=None)[0]
+    if np.abs(J.T @ w - unit).max() > TOLERANCE:
+        return {}, 0.0
+    at_zero = plant.output_values({})
+    offset = -sum(
+        k * float(at_zero[s.of][0])
+        for s in stage.interface.sensors
+        for n, k in zip(linear, w, strict=True)
+        if n == s.name
+    )
+    return {name: float(k) for name, k in zip(linear, w, strict=True) if abs(k) > TOLERANCE}, float(offset)

@@ -191,6 +191,24 @@ def test_a_disk_that_fills_up_makes_the_outputs_safe(loop: Path) -> None:
     assert "the recording could not be written" in running.log
 
 
+def test_a_disk_that_stops_drops_records_and_not_samples(loop: Path) -> None:
+    """A pipe that nobody empties stands for it."""
+    os.mkfifo(loop / "pipe")
+    reader = os.open(loop / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    with harness.running(loop, *PLANT) as running:
+        running.wait("phase=running")
+        assert running.ask("record pipe") == "ok"
+        end = time.monotonic() + 60
+        while "dropped=0 " in (status := running.ask("status")) and time.monotonic() < end:
+            time.sleep(0.1)
+        assert int(status.split("dropped=")[1].split()[0]) > 0 and "phase=running" in status
+        running.process.terminate()
+        assert running.end() == 0
+    os.close(reader)
+    assert "the disk does not answer: the end of the record is lost" in running.log
+    assert "disabled: the process was asked to end" in running.log and "watchdog" not in running.log
+
+
 def test_a_supervising_client_that_dies_stops_the_machine(loop: Path, memory: Memory) -> None:
     with harness.running(loop, *SHM) as running:
         running.wait("phase=running")

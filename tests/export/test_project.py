@@ -4,9 +4,11 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from synth.app import cli
 from synth.errors import DesignError, SignalError
-from synth.export import limits, project, records
+from synth.export import limits, project, records, wiring
 from tests import tools
 from tests.export import harness
 from tests.export.test_lockstep import MOTIONS, REGULAR
@@ -69,6 +71,27 @@ def test_the_limits_are_what_the_actuators_give(name: str) -> None:
         assert bounds["z_ref"].acceleration == pytest.approx(0.5 * p["K"] * (3 - held) / p["M"])
         assert bounds["x_ref"].acceleration == pytest.approx(0.5 * p["k"] * 2 / p["m"])
         assert bounds["z_ref"].speed == 0.2 and bounds["x_ref"].speed == 0.5
+
+
+@pytest.mark.parametrize(("name", "shown"), [("planar_6dof_lqg", "z theta psi"), ("maglev_5dof", "y x z phi theta")])
+def test_the_sensors_show_the_pose_at_the_start(name: str, shown: str) -> None:
+    """Hall voltages show none of x, y and yaw by themselves."""
+    stage = harness.stage(name)
+    names = [s.name for s in stage.interface.sensors]
+    sums = {p.of: wiring.pose(stage, p.of, names) for p in stage.interface.set_points}
+    assert {of for of, text in sums.items() if text} == set(shown.split())
+    states = {s.name: 1e-4 * (k + 1) for k, s in enumerate(stage.plant.states) if not s.name.startswith(("v", "w"))}
+    outputs = stage.plant.output_values(states | stage.start)
+    sensors = [float(outputs[s.of][0]) for s in stage.interface.sensors]
+    for of in shown.split():
+        assert eval(sums[of], {"sensors": sensors}) == pytest.approx((states | stage.start)[of], abs=1e-9)
+
+
+def test_the_command_refuses_another_target(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(harness.ROOT)
+    command = ["export", "levitator_2dof", "--target", "dsp", "--out", str(tmp_path / "loop")]
+    result = CliRunner().invoke(cli.app, command)
+    assert isinstance(result.exception, DesignError) and not (tmp_path / "loop").exists()
 
 
 def test_a_record_reads_back_as_a_log(tmp_path: Path) -> None:

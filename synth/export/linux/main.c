@@ -169,6 +169,7 @@ static int run(const options_t *options, shared_t *shared)
     }
     if (options->lockstep > 0.0) m->enabled = 0; /* it ends anywhere */
     (void)options->io->write(m->outputs, m->enabled);
+    __atomic_store_n(&shared->beat, 0u, __ATOMIC_RELEASE); /* the watchdog waits */
     if (!(options->lockstep > 0.0)) server_finish();
     recorder_finish();
     options->io->close();

@@ -143,8 +143,8 @@ int recorder_open(const char *path)
     struct stat there;
     if (recorder_is_open()) return EBUSY;
     if (stat(path, &there) == 0 && S_ISREG(there.st_mode)) return EEXIST;
-    const int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-    if (file < 0) return errno;
+    const int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0600); /* a pipe without a reader: refused */
+    if (file < 0 || fcntl(file, F_SETFL, 0) != 0) return errno;
     __atomic_store_n(&recorder.error, 0, __ATOMIC_RELEASE);
     __atomic_store_n(&recorder.file, file, __ATOMIC_RELEASE);
     __atomic_store_n(&recorder.open, 1, __ATOMIC_RELEASE);
@@ -158,6 +158,11 @@ void recorder_stop(void)
 
 void recorder_finish(void)
 {
+    struct timespec end;
+    (void)clock_gettime(CLOCK_REALTIME, &end);
+    end.tv_sec += 2;
     __atomic_store_n(&recorder.finish, 1, __ATOMIC_RELEASE);
-    (void)pthread_join(recorder.thread, NULL);
+    if (pthread_timedjoin_np(recorder.thread, NULL, &end) != 0) {
+        (void)fprintf(stderr, "recorder: the disk does not answer: the end of the record is lost\n");
+    }
 }

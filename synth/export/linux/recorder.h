@@ -21,7 +21,7 @@ int recorder_open(const char *path);
 /* End the file; the thread writes what is in the ring first. */
 void recorder_stop(void);
 
-/* Stop, and wait until everything is written. */
+/* Stop, and wait until everything is written, but no longer than for 2 s. */
 void recorder_finish(void);
 
 /* Called by the loop: keep a record, or count it as dropped where the ring is full. Never waits, unless `wait`. */
