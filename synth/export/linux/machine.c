@@ -38,14 +38,14 @@ int machine_is_moving(const machine_t *machine)
     return machine->motion.kind != MOTION_NONE;
 }
 
-int machine_may_start(const machine_t *machine)
-{
-    return machine->phase > BRAKING && machine->quiet >= SAMPLES(REST_S);
-}
-
 int machine_may_end(const machine_t *machine)
 {
     return machine->phase == DISABLED || (machine->phase > BRAKING && machine->since >= SAMPLES(KEPT_S));
+}
+
+int machine_may_start(const machine_t *machine)
+{
+    return machine_may_end(machine) && machine->quiet >= SAMPLES(REST_S);
 }
 
 /* 1 where the amplifiers may go off: not under a machine in flight whose safe output lowers it. */

@@ -142,7 +142,7 @@ static int run(const options_t *options, shared_t *shared)
     uint64_t sample = 0u, time = 0u;
     phase_t noted = WAITING;
     for (; !done; sample++, time++) {
-        const uint64_t missed = options->lockstep > 0.0 ? 0u : realtime_wait(&next, &late);
+        const uint64_t missed = options->live ? realtime_wait(&next, &late) : 0u;
         const int slot = (int)(sample % QUEUE);
         time += missed;
         if (STAGE_DELAY > 0 && sample >= QUEUE) failed |= options->io->write(queue[slot], enabled[slot]) != 0;
@@ -163,14 +163,14 @@ static int run(const options_t *options, shared_t *shared)
         enabled[slot] = m->enabled;
         if (STAGE_DELAY == 0) failed |= options->io->write(queue[slot], enabled[slot]) != 0;
         (void)__atomic_add_fetch(&shared->beat, 1u, __ATOMIC_RELEASE);
-        record(m, (double)time * STAGE_PERIOD_S, missed, options->lockstep > 0.0);
+        record(m, (double)time * STAGE_PERIOD_S, missed, !options->live);
         publish(m, sample + 1u, &late);
-        done = (end && machine_may_end(m)) || (options->lockstep > 0.0 && (double)(sample + 1u) >= options->lockstep);
+        done = (end && machine_may_end(m)) || (!options->live && (double)(sample + 1u) >= options->lockstep);
     }
-    if (options->lockstep > 0.0) m->enabled = 0; /* it ends anywhere */
+    if (!options->live) m->enabled = 0; /* it ends anywhere */
     (void)options->io->write(m->outputs, m->enabled);
     __atomic_store_n(&shared->beat, 0u, __ATOMIC_RELEASE); /* the watchdog waits */
-    if (!(options->lockstep > 0.0)) server_finish();
+    if (options->live) server_finish();
     recorder_finish();
     options->io->close();
     report(m, sample, &late);
@@ -190,7 +190,7 @@ static int loop(const options_t *options, shared_t *shared, const char *socket_p
             SET_POINTS[i].name, LIMITS[i].home, SET_POINTS[i].unit);
     }
     if (recorder_start() != 0) return 2;
-    if (!(options->lockstep > 0.0) && server_start(socket_path, &exchange) != 0) return 2;
+    if (options->live && server_start(socket_path, &exchange) != 0) return 2;
     if (options->record) {
         const int error = recorder_open(options->record);
         if (error) {
@@ -198,7 +198,7 @@ static int loop(const options_t *options, shared_t *shared, const char *socket_p
             return 2;
         }
     }
-    if (!(options->lockstep > 0.0)) realtime_become((int)options->cpu); /* this thread alone: those above are not real-time */
+    if (options->live) realtime_become((int)options->cpu); /* this thread alone: those above are not real-time */
     return run(options, shared);
 }
 
@@ -211,10 +211,10 @@ int main(int count, char *words[])
     if (plan(&options) != 0 || lock(options.run) != 0) return 2;
     (void)snprintf(socket_path, sizeof socket_path, "%s/" STAGE_NAME ".sock", options.run);
     shared_t *const shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    options.back_end.settle = !(options.lockstep > 0.0);
+    options.back_end.settle = options.live;
     if (shared == MAP_FAILED || options.io->open(&options.back_end) != 0) return 2;
-    machine_init(&shared->machine, options.lockstep > 0.0);
-    if (options.lockstep > 0.0) return loop(&options, shared, socket_path);
+    machine_init(&shared->machine, !options.live);
+    if (!options.live) return loop(&options, shared, socket_path);
     const pid_t watchdog = getpid(), child = fork();
     if (child < 0) perror("fork");
     if (child != 0) return child < 0 ? 2 : watchdog_run(shared, options.io, child, 1e-3 * options.stall_ms);

@@ -132,20 +132,18 @@ static int check(const motion_t *motion, char *message, size_t size)
     return 0;
 }
 
-/* The words after the kind: names with as many numbers each as there are columns. */
-static int fill(char *words[], int count, double *columns[], int n, char *message, size_t size)
+/* Read names with a number each into a column of the set-points. */
+static int fill(char *words[], int count, double column[], char *message, size_t size)
 {
-    for (int k = 0; k < count; k += n + 1) {
+    for (int k = 0; k < count; k += 2) {
         const int i = set_point_index(words[k]);
         if (i < 0) {
             (void)snprintf(message, size, "there is no set-point '%.40s': see `names`", words[k]);
             return -1;
         }
-        for (int c = 0; c < n; c++) {
-            if (k + c + 1 >= count || parse_number(words[k + c + 1], &columns[c][i]) != 0) {
-                (void)snprintf(message, size, "'%s' needs %d finite number(s) after its name", SET_POINTS[i].name, n);
-                return -1;
-            }
+        if (k + 1 >= count || parse_number(words[k + 1], &column[i]) != 0) {
+            (void)snprintf(message, size, "'%s' needs a finite number after its name", SET_POINTS[i].name);
+            return -1;
         }
     }
     return 0;
@@ -170,13 +168,13 @@ int motion_parse(char *words[], int count, const double from[], motion_t *motion
         (void)snprintf(message, size, "there is no command '%.40s': see `help`", count ? words[0] : "");
         return -1;
     }
-    const int names = count - 1 - KINDS[k].tail, wanted_tail = KINDS[k].tail;
+    const int n = KINDS[k].tail, names = count - 1 - n;
     const int transition = KINDS[k].kind <= MOTION_RAMP;
     if (names < (KINDS[k].pair ? 2 : 1)) {
         (void)snprintf(message, size, "'%s' has too few words: see `help`", KINDS[k].name);
         return -1;
     }
-    for (int c = 0; c < wanted_tail; c++) {
+    for (int c = 0; c < n; c++) {
         if (parse_number(words[1 + names + c], &tail[c]) != 0 || !(tail[c] > 0.0)) {
             (void)snprintf(message, size, "'%.40s' is not a positive number", words[1 + names + c]);
             return -1;
@@ -193,8 +191,7 @@ int motion_parse(char *words[], int count, const double from[], motion_t *motion
         }
         motion->b[x] = motion->a[y] = tail[0];
     } else {
-        double *columns[1] = {transition ? to : motion->a};
-        if (fill(words + 1, names, columns, 1, message, size) != 0) return -1;
+        if (fill(words + 1, names, transition ? to : motion->a, message, size) != 0) return -1;
         if (KINDS[k].pair == 1) {
             const int x = set_point_index(words[1]);
             if (names != 4 || strcmp(words[1], words[3]) == 0) {
@@ -210,8 +207,8 @@ int motion_parse(char *words[], int count, const double from[], motion_t *motion
         memcpy(motion->a, move.a, sizeof motion->a);
         motion->duration = (motion->kind == MOTION_MOVE) ? move.duration : (motion->kind == MOTION_RAMP) ? tail[0] : 0.0;
     } else {
-        motion->frequency = tail[wanted_tail - 2];
-        motion->duration = ceil(tail[wanted_tail - 1]) / motion->frequency;
+        motion->frequency = tail[n - 2];
+        motion->duration = ceil(tail[n - 1]) / motion->frequency;
     }
     if (motion->duration > LONGEST_S) {
         (void)snprintf(message, size, "the motion would take %g s, at most %g s are checked", motion->duration, LONGEST_S);

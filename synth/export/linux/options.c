@@ -79,5 +79,6 @@ int options_read(int count, char *words[], options_t *options)
         (void)fprintf(stderr, USAGE, words[0]);
         return -1;
     }
+    options->live = !(options->lockstep > 0.0);
     return 0;
 }

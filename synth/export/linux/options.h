@@ -14,7 +14,8 @@ typedef struct {
     int motion_count;
     late_t late;
     double late_limit; /* missed periods in a row */
-    double lockstep;   /* samples without real time; 0 for the clock */
+    double lockstep;   /* samples without real time */
+    int live;          /* 1: in real time, not in lock step */
     double seconds;    /* of the run; 0 for no end */
     double stall_ms;   /* after which the watchdog kills the loop */
     double cpu;        /* -1 for any */
