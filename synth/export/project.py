@@ -100,7 +100,14 @@ def _vectors(code: EmittedCode) -> bytes:
     inputs, outputs = (host.dtype(role, code.manifest) for role in ("input", "output"))
     document = json.loads(code.files["vectors.json"])
     n = len(document["faults"])
-    rows = np.zeros(n, np.dtype([("in", inputs), ("out", outputs), ("faults", np.uint32)]))
+    before, word = inputs.itemsize + outputs.itemsize, np.dtype(code.manifest["scalar"]).itemsize
+    layout = {
+        "names": ["in", "out", "faults"],
+        "formats": [inputs, outputs, np.uint32],
+        "offsets": [0, inputs.itemsize, before],
+        "itemsize": -(-(before + 4) // word) * word,  # C fills a struct up to a multiple of its scalar
+    }
+    rows = np.zeros(n, np.dtype(layout))  # type: ignore[call-overload]
     rows["in"] = host.records(code.manifest, inputs, document["inputs"], n)
     for name, column in document["outputs"].items():
         rows["out"][name] = column
@@ -147,6 +154,7 @@ def _facts(
         "period_ns": round(1e9 * period_s),
         "delay": interface.delay,
         "real": real,
+        "digits": 9 if real == "float" else 17,
         "missed_calls": interface.missed_calls.name if interface.missed_calls else "",
         "blocks": blocks,
         "controller": blocks[0],

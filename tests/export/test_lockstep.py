@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from synth.app import tasks
+from synth.base.progress import silent
 from synth.execute import host
-from synth.export import records
+from synth.export import project, records
 from synth.simulate import rig
 from synth.simulate.scenario import Trajectory
 from tests.export import harness
@@ -68,6 +70,23 @@ def test_another_loop_differs(file: str, before: str, after: str, tmp_path: Path
     log = records.read(folder / "run.csv")
     run = simulated(PLANTED, log.samples)
     assert not np.array_equal(log.samples["i1"].astype(np.float32), run.commands["i1"])
+
+
+@pytest.mark.whole
+def test_a_loop_in_double_precision_equals_the_simulation(tmp_path: Path) -> None:
+    stage = harness.stage(PLANTED)
+    emitted = tasks.emission(stage, np.float64).result(silent)
+    project.project(stage, emitted, "linux").save(tmp_path)
+    harness.build(tmp_path)
+    assert "0 of 1000 samples differ" in harness.call(tmp_path, "--replay", "vectors").stdout
+    words = [word for motion in MOTIONS[PLANTED] for word in ("--motion", motion)]
+    assert harness.call(tmp_path, "--lockstep", str(SAMPLES), "--record", "run.csv", *words).returncode == 0
+    log = records.read(tmp_path / "run.csv")
+    simulator = rig.of_stage(stage, host.load(emitted[PLANTED].files, emitted[PLANTED].manifest))
+    set_points = {p.name: log.samples[p.name] for p in stage.interface.set_points}
+    run = simulator.run(SAMPLES * simulator.period_s, references=set_points)
+    for column in run.commands:
+        np.testing.assert_array_equal(log.samples[column], run.commands[column], column)
 
 
 def simulated(name: str, recorded: dict[str, np.ndarray]) -> Trajectory:

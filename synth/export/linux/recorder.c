@@ -11,7 +11,7 @@
 
 #include "ring.h"
 
-enum { SIZE = 4096, TEXT = 1 << 16, LINE = 64 + 24 * (N_SENSORS + SET_POINTS_SIZE + N_OUTPUTS + 4) };
+enum { SIZE = 4096, TEXT = 1 << 16, LINE = 64 + 32 * (N_SENSORS + SET_POINTS_SIZE + N_OUTPUTS + 4) };
 
 static struct {
     record_t records[SIZE];
@@ -55,8 +55,7 @@ static size_t print_signals(char *text, const signal_t signals[], int count)
 static size_t print_values(char *text, const double values[], int count)
 {
     size_t n = 0;
-    /* Nine digits give back the single-precision value that the controller reads or returns. */
-    for (int i = 0; i < count; i++) n += (size_t)snprintf(text + n, 24, ",%.9g", (double)(float)values[i]);
+    for (int i = 0; i < count; i++) n += (size_t)snprintf(text + n, 32, ",%.*g", STAGE_DIGITS, (double)(stage_real_t)values[i]);
     return n;
 }
 
