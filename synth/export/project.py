@@ -107,7 +107,7 @@ def _vectors(code: EmittedCode) -> bytes:
         "offsets": [0, inputs.itemsize, before],
         "itemsize": -(-(before + 4) // word) * word,  # C fills a struct up to a multiple of its scalar
     }
-    rows = np.zeros(n, np.dtype(layout))  # type: ignore[call-overload]
+    rows: Any = np.zeros(n, np.dtype(layout))  # type: ignore[call-overload]
     rows["in"] = host.records(code.manifest, inputs, document["inputs"], n)
     for name, column in document["outputs"].items():
         rows["out"][name] = column
