@@ -177,7 +177,7 @@ def test_without_the_right_to_real_time_it_says_so_and_runs(loop: Path) -> None:
         if not all(os.path.exists(f"/usr/bin/{c}") for c in ("prlimit", "setpriv")):
             pytest.skip("no setpriv: would show the messages of an ordinary user")
         loop.chmod(0o777)
-        command = [*limits, "./levitator_2dof", "--run", ".", "--seconds", "0.5", "--stall", "2000"]
+        command = [*limits, "./levitator_2dof", "--run", ".", "--seconds", "0.5", "--stall", "5000"]
         done = subprocess.run(command, cwd=loop, capture_output=True, text=True)
         if "Permission denied" in done.stderr:
             pytest.skip("the folders above are closed to other users")

@@ -20,7 +20,7 @@ from tests.export import harness
 
 pytestmark = pytest.mark.slow
 
-STALL = ("--stall", "1000")  # ms: a busy machine stands still for some hundred
+STALL = ("--stall", "5000")  # ms: a busy machine stands still for some hundred
 HEADER = 5  # words of shared memory before the sensors
 PLANT = ("--io", "plant", *STALL)
 
@@ -106,7 +106,7 @@ def test_a_killed_loop_is_made_safe_by_the_watchdog(loop: Path, memory: Memory) 
 
 
 def test_a_loop_that_stands_still_is_killed_and_made_safe(loop: Path, memory: Memory) -> None:
-    with harness.running(loop, *SHM) as running:
+    with harness.running(loop, *SHM, "--stall", "1000") as running:
         running.wait("phase=running")
         child = running.child
         os.kill(child, signal.SIGSTOP)
@@ -225,7 +225,7 @@ def test_a_supervising_client_that_dies_stops_the_machine(loop: Path, memory: Me
 
 
 def test_missed_periods_stop_the_machine_where_that_is_asked_for(loop: Path, memory: Memory) -> None:
-    with harness.running(loop, *SHM[:-1], "5000", "--late", "safe:400") as running:
+    with harness.running(loop, *SHM, "--late", "safe:400") as running:
         running.wait("phase=running")
         os.kill(running.child, signal.SIGSTOP)
         time.sleep(0.5)
@@ -238,7 +238,7 @@ def test_missed_periods_stop_the_machine_where_that_is_asked_for(loop: Path, mem
 
 def test_missed_periods_hold_a_motion_where_that_is_asked_for(loop: Path) -> None:
     with harness.running(loop, "--stall", "5000", "--late", "hold", "--motion", "sine z_ref 1e-4 1 600") as running:
-        running.wait("moving=1")
+        running.wait("phase=running")
         os.kill(running.child, signal.SIGSTOP)
         time.sleep(0.3)
         os.kill(running.child, signal.SIGCONT)
