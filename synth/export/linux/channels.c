@@ -65,8 +65,9 @@ static int check(const channel_t *c, const char *path, const char *name)
 {
     const double size = fabs(c->sign);
     if (c->channel >= 0 && fabs(c->scale) > 0.0 && size >= 1.0 && size <= 1.0 && c->low < c->high) return 0;
-    (void)fprintf(stderr, "%s: '%s' has channel %d, scale %g, sign %g, range %g .. %g: give a channel from 0, a scale that "
-        "is not 0, a sign of 1 or -1, and low below high\n", path, name, c->channel, c->scale, c->sign, c->low, c->high);
+    (void)fprintf(stderr, "%s: '%s' has channel %d, scale %g, sign %g, range %g .. %g: give a channel from 0, a scale "
+        "that is not 0, a sign of 1 or -1, and low below high\n", path, name, c->channel, c->scale, c->sign, c->low,
+        c->high);
     return -1;
 }
 

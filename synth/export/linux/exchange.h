@@ -18,7 +18,7 @@ typedef struct {
 typedef struct {
     phase_t phase;
     const char *reason;
-    uint32_t faults, latch_cause;
+    uint32_t faults, latch_cause, drive_faults;
     int moving, may_start;
     uint64_t calls, commands;
     double sensors[N_SENSORS], set_points[SET_POINTS_SIZE], outputs[N_OUTPUTS];

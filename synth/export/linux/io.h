@@ -11,7 +11,7 @@ typedef struct {
 } io_options_t;
 
 /* Every function returns 0, or -1 for a failure. `open` has then printed one message that says what to do. In a sample
- * `write` gives the outputs that are due, with 1 for enabled amplifiers, and `read` gives the sensors in their units. */
+ * `write` gives the outputs that are due, with 1 for enabled amplifiers, and `read` the sensors in their units. */
 typedef struct {
     const char *name;
     int (*open)(const io_options_t *options);

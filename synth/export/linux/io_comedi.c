@@ -79,8 +79,8 @@ static int open_comedi(const io_options_t *options)
     if (channels_read(options->channels, &board.channels) != 0 || load_all(options->library) != 0) return -1;
     board.device = board.open(board.channels.device);
     if (!board.device) {
-        (void)fprintf(stderr, "comedi: the device '%s' cannot be opened: name it in channels.toml, load its driver, and "
-            "give this user the right to it\n", board.channels.device);
+        (void)fprintf(stderr, "comedi: the device '%s' cannot be opened: name it in channels.toml, load its driver, "
+            "and give this user the right to it\n", board.channels.device);
         return -1;
     }
     const int input = board.find(board.device, ANALOG_INPUT, 0u), output = board.find(board.device, ANALOG_OUTPUT, 0u);
@@ -96,10 +96,12 @@ static int open_comedi(const io_options_t *options)
     board.digital = (unsigned)digital;
     int bad = 0;
     for (int i = 0; i < N_SENSORS && !bad; i++) {
-        bad = describe(board.input, &board.channels.sensors[i], SENSORS[i].name, &board.sensor_range[i], &board.sensor_largest[i]);
+        bad = describe(board.input, &board.channels.sensors[i], SENSORS[i].name, &board.sensor_range[i],
+            &board.sensor_largest[i]);
     }
     for (int i = 0; i < N_OUTPUTS && !bad; i++) {
-        bad = describe(board.output, &board.channels.outputs[i], OUTPUTS[i].name, &board.output_range[i], &board.output_largest[i]);
+        bad = describe(board.output, &board.channels.outputs[i], OUTPUTS[i].name, &board.output_range[i],
+            &board.output_largest[i]);
     }
     return bad;
 }
@@ -109,8 +111,10 @@ static int read_comedi(double sensors[])
     int bad = 0;
     for (int i = 0; i < N_SENSORS; i++) {
         lsampl_t data = 0u;
-        bad |= board.read(board.device, board.input, (unsigned)board.channels.sensors[i].channel, RANGE, GROUND, &data) < 0;
-        sensors[i] = channels_value(&board.channels, i, board.to_volts(data, board.sensor_range[i], board.sensor_largest[i]));
+        const unsigned channel = (unsigned)board.channels.sensors[i].channel;
+        bad |= board.read(board.device, board.input, channel, RANGE, GROUND, &data) < 0;
+        const double volts = board.to_volts(data, board.sensor_range[i], board.sensor_largest[i]);
+        sensors[i] = channels_value(&board.channels, i, volts);
     }
     return bad ? -1 : 0;
 }
@@ -121,7 +125,8 @@ static int write_comedi(const double outputs[], int enabled)
     int bad = 0;
     for (int i = 0; i < N_OUTPUTS; i++) {
         const channel_t *const c = &board.channels.outputs[i];
-        const lsampl_t data = board.from_volts(channels_raw(c, outputs[i]), board.output_range[i], board.output_largest[i]);
+        const double volts = channels_raw(c, outputs[i]);
+        const lsampl_t data = board.from_volts(volts, board.output_range[i], board.output_largest[i]);
         bad |= board.write(board.device, board.output, (unsigned)c->channel, RANGE, GROUND, data) < 0;
     }
     if (enable->channel >= 0) {

@@ -92,7 +92,7 @@ static int open_plant(const io_options_t *options)
     memcpy(plant.due, PLANT_HOLD, sizeof plant.due);
     plant.noise = (uint64_t)options->seed;
     mix();
-    /* A machine that is switched on lies on its stop, at rest: what slides there has friction, which no plant models. */
+    /* A machine that is switched on lies on its stop, at rest: it has friction there, which no plant models. */
     for (double t = 0.0; options->settle && t < 2.0; t += STAGE_PERIOD_S) advance();
     for (int i = 0; options->settle && i < N_VELOCITIES; i++) plant.x[PLANT_VELOCITIES[i]] = 0.0;
     return 0;

@@ -29,9 +29,12 @@ static int open_shm(const io_options_t *options)
     const char *const path = options->memory ? options->memory : "";
     const int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     void *memory = MAP_FAILED;
-    if (file >= 0 && ftruncate(file, WORDS * 8) == 0) memory = mmap(NULL, WORDS * 8, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    if (file >= 0 && ftruncate(file, WORDS * 8) == 0) {
+        memory = mmap(NULL, WORDS * 8, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    }
     if (memory == MAP_FAILED) {
-        (void)fprintf(stderr, "shared memory: '%s': %s: give a file with --memory, as in /dev/shm\n", path, strerror(errno));
+        (void)fprintf(stderr, "shared memory: '%s': %s: give a file with --memory, as in /dev/shm\n", path,
+            strerror(errno));
         return -1;
     }
     (void)close(file);

@@ -12,7 +12,9 @@
 #define STILL_S 0.5   /* of unchanged outputs after a latch, before the amplifiers go off */
 #define KEPT_S 2.0    /* of the safe output, before the process may end and leave it on */
 
-const char *const PHASES[] = {"waiting", "enabling", "starting", "running", "braking", "latched", "stopping", "disabled"};
+const char *const PHASES[] = {
+    "waiting", "enabling", "starting", "running", "braking", "latched", "stopping", "disabled",
+};
 
 void machine_init(machine_t *machine, int prompt)
 {

@@ -72,7 +72,8 @@ static const char *end_reason(const options_t *options, uint64_t time)
 static const char *stop_reason(const options_t *options, uint64_t missed, int io_failed)
 {
     if (io_failed) return "the hardware could not be read or written";
-    return (options->late == LATE_SAFE && (double)missed >= options->late_limit) ? "too many periods were missed in a row" : NULL;
+    if (options->late != LATE_SAFE || (double)missed < options->late_limit) return NULL;
+    return "too many periods were missed in a row";
 }
 
 static void note_phase(const machine_t *m, phase_t *noted)
@@ -99,7 +100,8 @@ static void publish(const machine_t *m, uint64_t calls, const lateness_t *late)
 {
     status_t *const s = board_back(&exchange.board);
     *s = (status_t){.phase = m->phase, .reason = m->reason, .faults = m->faults, .latch_cause = m->latch_cause,
-        .moving = machine_is_moving(m), .may_start = machine_may_start(m), .calls = calls, .commands = m->commands, .late = *late};
+        .drive_faults = m->stage.drive_faults, .moving = machine_is_moving(m), .may_start = machine_may_start(m),
+        .calls = calls, .commands = m->commands, .late = *late};
     memcpy(s->sensors, m->sensors, sizeof s->sensors);
     memcpy(s->set_points, m->set_points, sizeof s->set_points);
     memcpy(s->outputs, m->outputs, sizeof s->outputs);
@@ -186,7 +188,8 @@ static int loop(const options_t *options, shared_t *shared, const char *socket_p
     (void)sigaction(SIGHUP, &action, NULL);
     (void)signal(SIGXFSZ, SIG_IGN); /* a file at its limit is a failed write */
     for (int i = 0; i < N_SET_POINTS; i++) {
-        if (!LIMITS[i].measured) (void)fprintf(stderr, "%s: no sensor shows the pose before the start: it is taken for %g %s\n",
+        if (LIMITS[i].measured) continue;
+        (void)fprintf(stderr, "%s: no sensor shows the pose before the start: it is taken for %g %s\n",
             SET_POINTS[i].name, LIMITS[i].home, SET_POINTS[i].unit);
     }
     if (recorder_start() != 0) return 2;
@@ -198,7 +201,7 @@ static int loop(const options_t *options, shared_t *shared, const char *socket_p
             return 2;
         }
     }
-    if (options->live) realtime_become((int)options->cpu); /* this thread alone: those above are not real-time */
+    if (options->live) realtime_become((int)options->cpu); /* this thread alone */
     return run(options, shared);
 }
 

@@ -58,7 +58,8 @@ void motion_at(const motion_t *motion, double t, double set_points[])
 {
     evaluate(motion, t, set_points);
     for (int i = 0; i < N_SET_POINTS; i++) {
-        set_points[i] = fmin(fmax(set_points[i], SET_POINTS[i].low), SET_POINTS[i].high); /* but for a rounding, checked */
+        /* It was checked but for a rounding. */
+        set_points[i] = fmin(fmax(set_points[i], SET_POINTS[i].low), SET_POINTS[i].high);
     }
 }
 
@@ -114,8 +115,12 @@ static int check(const motion_t *motion, char *message, size_t size)
             const limits_t *const most = &LIMITS[i];
             const double v = (r[i] - last[i]) / STAGE_PERIOD_S, a = (v - speed[i]) / STAGE_PERIOD_S;
             const double slack = ROUNDING * (s->high - s->low);
-            if (r[i] > s->high + slack) return refuse(message, size, i, "the value", r[i], "", s->high, "make it smaller");
-            if (r[i] < s->low - slack) return refuse(message, size, i, "the value", r[i], "", s->low, "make it larger");
+            if (r[i] > s->high + slack) {
+                return refuse(message, size, i, "the value", r[i], "", s->high, "make it smaller");
+            }
+            if (r[i] < s->low - slack) {
+                return refuse(message, size, i, "the value", r[i], "", s->low, "make it larger");
+            }
             if (motion->kind == MOTION_STEP) {
                 if (fabs(motion->a[i]) > most->step + slack) {
                     return refuse(message, size, i, "the step", fabs(motion->a[i]), "", most->step, "use move");
@@ -123,7 +128,8 @@ static int check(const motion_t *motion, char *message, size_t size)
             } else if (fabs(v) > (1.0 + SLACK) * most->speed) {
                 return refuse(message, size, i, "the speed", fabs(v), "/s", most->speed, "make it slower");
             } else if (fabs(a) > (1.0 + SLACK) * most->acceleration) {
-                return refuse(message, size, i, "the acceleration", fabs(a), "/s^2", most->acceleration, "make it slower");
+                return refuse(message, size, i, "the acceleration", fabs(a), "/s^2", most->acceleration,
+                    "make it slower");
             }
             speed[i] = v;
             last[i] = r[i];
@@ -205,13 +211,14 @@ int motion_parse(char *words[], int count, const double from[], motion_t *motion
     if (transition) {
         const motion_t move = motion_move(from, to);
         memcpy(motion->a, move.a, sizeof motion->a);
-        motion->duration = (motion->kind == MOTION_MOVE) ? move.duration : (motion->kind == MOTION_RAMP) ? tail[0] : 0.0;
+        motion->duration = (motion->kind == MOTION_MOVE) ? move.duration : tail[0]; /* 0 of a step */
     } else {
         motion->frequency = tail[n - 2];
         motion->duration = ceil(tail[n - 1]) / motion->frequency;
     }
     if (motion->duration > LONGEST_S) {
-        (void)snprintf(message, size, "the motion would take %g s, at most %g s are checked", motion->duration, LONGEST_S);
+        (void)snprintf(message, size, "the motion would take %g s, at most %g s are checked", motion->duration,
+            LONGEST_S);
         return -1;
     }
     return check(motion, message, size);

@@ -8,7 +8,7 @@
 
 static const char USAGE[] =
     "usage: %s [--io plant|shm|user|comedi] [--seconds S] [--motion 'COMMAND']... [--record FILE] [--lockstep N]\n"
-    "  --late count|hold|safe:N   what missed periods do beside being counted: hold the motion, or stop after N in a row\n"
+    "  --late count|hold|safe:N   missed periods are counted, and hold the motion, or stop after N in a row\n"
     "  --stall MS                 the watchdog kills a loop that stands still for so long, 200 by default\n"
     "  --cpu N  --run FOLDER      processor; folder of the socket and the lock file\n"
     "  --channels FILE --comedi LIBRARY --memory FILE --seed N    of the back ends\n"
@@ -47,8 +47,8 @@ static int take(const char *name, const char *text, options_t *o)
         const char *name;
         double *value, low, high;
     } numbers[] = {
-        {"--seconds", &o->seconds, 0.0, 1e9}, {"--lockstep", &o->lockstep, 1.0, 1e9}, {"--stall", &o->stall_ms, 1.0, 1e6},
-        {"--cpu", &o->cpu, 0.0, 1023.0}, {"--seed", &o->back_end.seed, 0.0, 4e9},
+        {"--seconds", &o->seconds, 0.0, 1e9}, {"--lockstep", &o->lockstep, 1.0, 1e9}, {"--cpu", &o->cpu, 0.0, 1023.0},
+        {"--stall", &o->stall_ms, 1.0, 1e6}, {"--seed", &o->back_end.seed, 0.0, 4e9},
     };
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         if (strcmp(name, texts[i].name) != 0) continue;

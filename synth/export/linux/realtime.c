@@ -19,12 +19,12 @@ void realtime_become(int cpu)
         (void)fprintf(stderr, "real time: processor %d: %s: the loop runs on any\n", cpu, strerror(errno));
     }
     if (sched_setscheduler(0, SCHED_FIFO, &wish) != 0) {
-        (void)fprintf(stderr, "real time: SCHED_FIFO: %s: the loop may be late by milliseconds; run it as root, or with "
-            "CAP_SYS_NICE or an rtprio limit\n", strerror(errno));
+        (void)fprintf(stderr, "real time: SCHED_FIFO: %s: the loop may be late by milliseconds; run it as root, or "
+            "with CAP_SYS_NICE or an rtprio limit\n", strerror(errno));
     }
     if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-        (void)fprintf(stderr, "real time: mlockall: %s: a page may be read from disk within a sample; raise the memlock "
-            "limit\n", strerror(errno));
+        (void)fprintf(stderr, "real time: mlockall: %s: a page may be read from disk within a sample; raise the "
+            "memlock limit\n", strerror(errno));
     }
     /* Touch the stack that the loop will use. */
     volatile char stack[1 << 16];

@@ -17,7 +17,7 @@ static struct {
     record_t records[SIZE];
     ring_t ring;
     uint64_t dropped;
-    int file, open, ending, error; /* file: -1 for none; open: the loop records; ending: the thread is to close the file */
+    int file, open, ending, error; /* file: -1 for none; open: the loop records; ending: the thread is to close it */
     char text[TEXT];
     pthread_t thread;
     int finish;
@@ -55,7 +55,9 @@ static size_t print_signals(char *text, const signal_t signals[], int count)
 static size_t print_values(char *text, const double values[], int count)
 {
     size_t n = 0;
-    for (int i = 0; i < count; i++) n += (size_t)snprintf(text + n, 32, ",%.*g", STAGE_DIGITS, (double)(stage_real_t)values[i]);
+    for (int i = 0; i < count; i++) {
+        n += (size_t)snprintf(text + n, 32, ",%.*g", STAGE_DIGITS, (double)(stage_real_t)values[i]);
+    }
     return n;
 }
 
@@ -142,7 +144,8 @@ int recorder_open(const char *path)
     struct stat there;
     if (recorder_is_open()) return EBUSY;
     if (stat(path, &there) == 0 && S_ISREG(there.st_mode)) return EEXIST;
-    const int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0600); /* a pipe without a reader: refused */
+    /* A pipe without a reader is refused. */
+    const int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0600);
     if (file < 0 || fcntl(file, F_SETFL, 0) != 0) return errno;
     __atomic_store_n(&recorder.error, 0, __ATOMIC_RELEASE);
     __atomic_store_n(&recorder.file, file, __ATOMIC_RELEASE);

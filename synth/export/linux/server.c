@@ -74,6 +74,7 @@ static void reply_status(char *reply, const status_t *s)
         (double)s->late.worst_ns / 1000.0, (unsigned long long)recorder_dropped(), recorder_is_open());
     add(reply, " faults=0x%08x (%s) latched_by=0x%08x (%s) reason=%s", (unsigned)s->faults, faults,
         (unsigned)s->latch_cause, cause, s->reason ? s->reason : "-");
+    if (s->drive_faults) add(reply, " drive_faults=0x%08x", (unsigned)s->drive_faults);
 }
 
 static void reply_names(char *reply)

@@ -50,7 +50,8 @@ int watchdog_run(shared_t *shared, const io_t *io, pid_t loop, double stall_s)
         const uint64_t beat = __atomic_load_n(&shared->beat, __ATOMIC_ACQUIRE);
         if (waitpid(loop, &status, WNOHANG) == loop) {
             if (WIFEXITED(status)) return WEXITSTATUS(status);
-            (void)fprintf(stderr, "watchdog: the loop died of signal %d (%s)\n", WTERMSIG(status), strsignal(WTERMSIG(status)));
+            (void)fprintf(stderr, "watchdog: the loop died of signal %d (%s)\n", WTERMSIG(status),
+                strsignal(WTERMSIG(status)));
             break;
         }
         if (beat != last || beat == 0u) since = realtime_now();
