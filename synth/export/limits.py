@@ -13,8 +13,8 @@ from typing import NamedTuple, TypeGuard
 import casadi as ca
 import numpy as np
 
+from synth.declare.experiments import StepResponse
 from synth.declare.stage import Stage
-from synth.simulate.experiments import Runnable, StepResponse
 from synth.statespace import Array
 
 FRACTION = 0.5  # of the actuators, for set-points
@@ -50,7 +50,7 @@ def of_stage(stage: Stage, positions: Mapping[str, str], home: Mapping[str, floa
     return {name: Limits(v, a, a / (RISE * period), max(steps[name])) for name, (v, a) in bounds.items()}
 
 
-def _steps(experiment: Runnable, name: str) -> TypeGuard[StepResponse]:
+def _steps(experiment: object, name: str) -> TypeGuard[StepResponse]:
     return isinstance(experiment, StepResponse) and experiment.set_point == name
 
 
