@@ -4,7 +4,7 @@ from synth.declare.companion import Companion, Drive
 from synth.declare.fault_campaign import FaultCampaign, FaultLimit, StudyLimits, read_safe_output
 from synth.declare.stage import Actuator, Controller, Interface, Law, Sensor, SetPoint, Stage
 from synth.stage.compose import controller, design
-from synth.stage.interface import guarded_inputs, interface, safe
+from synth.stage.interfaces import guarded_inputs, interface, safe
 
 __all__ = [
     "Actuator", "Companion", "Controller", "Drive", "FaultCampaign", "FaultLimit", "Interface", "Law", "Sensor",

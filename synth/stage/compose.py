@@ -29,7 +29,7 @@ from synth.errors import DesignError
 from synth.plant import Plant, velocities
 from synth.signals import Signal, signal_names
 from synth.stage import consistency
-from synth.stage.interface import guarded_inputs, safe
+from synth.stage.interfaces import guarded_inputs, safe
 from synth.timing import Discrete
 
 
