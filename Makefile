@@ -62,7 +62,6 @@ bench: $(VENV)/.dev
 	$(BIN)/python -m benchmarks.riccati
 	$(BIN)/python -m benchmarks.glsdc
 	$(BIN)/python -m benchmarks.hall
-	$(BIN)/python -m benchmarks.hostile
 
 prove: $(VENV)/.dev
 	$(BIN)/synth prove --whole

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from synth.analyse import discretise
 from synth.analyse.loops import stability_margins, transfer
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -174,13 +174,6 @@ def test_margins_of_a_static_loop_and_of_a_zero_loop() -> None:
 def test_a_hidden_undamped_mode_is_not_stable() -> None:
     hidden = StateSpace(np.diag([-1.0, 0.0]), [[1], [0]], [[1, 1]], [[0]], ("a", "b"), ("u",), ("y",), Continuous())
     assert not stability_margins.of_loop(hidden).stable
-
-
-def test_a_loop_of_two_inputs_is_refused() -> None:
-    with pytest.raises(SignalError, match="open it at one signal"):
-        stability_margins.of_loop(
-            StateSpace([[-1]], [[1, 1]], [[1]], [[0, 0]], ("x",), ("a", "b"), ("y",), Continuous())
-        )
 
 
 @settings(derandomize=True, max_examples=25, deadline=None)

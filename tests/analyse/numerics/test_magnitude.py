@@ -7,7 +7,7 @@ import pytest
 from designs.maglev_5dof.paper import polynomial
 from models import maglev_stage
 from synth.analyse.numerics import magnitude
-from synth.errors import ModelError, SignalError
+from synth.errors import SignalError
 from synth.signals import Signal
 
 STATES = {s.name: s for s in maglev_stage.STATES}
@@ -131,16 +131,3 @@ def test_the_largest_condition_number_is_met_where_a_row_is_largest() -> None:
     matrix = ca.vertcat(ca.horzcat(1 + Y, 0), ca.horzcat(0, 1))
     conditioning = magnitude.conditioning(matrix, SYMBOLS, BOX)
     assert conditioning.max_cond == pytest.approx(2.0) and conditioning.cond_at["Y"] == pytest.approx(1.0)
-
-
-def test_invalid_arguments_are_refused() -> None:
-    with pytest.raises(SignalError, match="contains T"):
-        magnitude.conditioning(T, SYMBOLS, BOX)
-    with pytest.raises(SignalError, match="no symbol for Z"):
-        magnitude.magnitudes({"e": X}, SYMBOLS, BOX, "Z", [0.0], {})
-    with pytest.raises(SignalError, match="box is empty"):
-        magnitude.conditioning(X, SYMBOLS, ())
-    with pytest.raises(ModelError, match="no determinant"):
-        magnitude.conditioning(ca.horzcat(X, Y), SYMBOLS, BOX)
-    with pytest.raises(ModelError, match=r"term 'pole' is not finite at"):
-        magnitude.magnitudes({"pole": 1 / Y}, SYMBOLS, BOX, "T", [0.0], {})

@@ -8,7 +8,6 @@ import scipy.linalg
 
 from synth.analyse import discretise
 from synth.analyse.loops import loop
-from synth.errors import TimingError
 from synth.statespace import StateSpace, of
 from synth.synthesise.feedback import lqr
 from synth.timing import Continuous
@@ -156,11 +155,3 @@ def test_late_inputs_have_names_and_units() -> None:
     assert [gain.units[name] for name in gain.states[2:]] == ["A"] * 3
     text = repr(lqr.lqrd(plant, [1.0, 1.0], [1.0], T, delay_s=T))
     assert "i_late1 [A]" in text and "deadbeat" in text
-
-
-@pytest.mark.parametrize("delay", [-0.1, np.nan, np.inf, None, "a", True, 1e9])
-def test_a_delay_that_is_none_is_refused(delay: float) -> None:
-    with pytest.raises(TimingError, match=r"the delay is|`delay_s` of `lqr.lqrd` is .*: give a number of seconds"):
-        lqr.lqrd(([[-1.0]], [[1.0]]), [1.0], [1.0], T, delay_s=delay)
-    with pytest.raises(TimingError, match="continuous"):
-        lqr.lqrd(lqr.sampled_cost(([[-1.0]], [[1.0]]), [1.0], [1.0], T).model, [1.0], [1.0], T, delay_s=T)

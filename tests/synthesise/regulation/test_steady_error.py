@@ -145,14 +145,6 @@ def test_a_regulator_of_another_frequency_is_seen_to_leave_an_error() -> None:
     assert 1e-6 < certificate.worst < 1e-2
 
 
-def test_a_pole_at_a_mode_is_named() -> None:
-    """Stable by a hair, and the mode lies on the pole."""
-    loop = StateSpace([[-0.5]], [[1]], [[1]], [[0]], ("x",), ("r",), ("e",), Continuous())
-    mode = internal_model.Mode(-0.5 + 0j, 1)
-    with pytest.raises(ModelError, match=r"pole at the mode -0\.5 1/s of the exosystem: make it stable"):
-        steady_error.evaluate(loop, ["e"], replace(internal_model.of((0.0,)), modes=(mode,)))
-
-
 def test_an_algebraic_loop_without_a_solution_is_refused() -> None:
     """y = x + u and u = e leave 0 = x - r; with u = e / 2 there is a solution."""
     plant = StateSpace([[-1.0]], [[1.0]], [[1.0]], [[1.0]], ("x",), ("u",), ("y",), Continuous())
@@ -210,12 +202,6 @@ def test_a_loop_without_states_or_errors_is_certified(time: Continuous | Discret
     assert empty.response.shape == (2, 0, 1)
     assert empty.vanishes
     assert "Each error dies out" in repr(empty)
-
-
-@pytest.mark.parametrize("errors", [np.array([["e"]]), [["e"]], 3, None, [3]])
-def test_errors_that_are_no_names_are_refused(errors: list[str]) -> None:
-    with pytest.raises(SignalError, match=r"`errors` of .*: give a list of names"):
-        steady_error.evaluate(transfer([1], [1, 1]), errors, (0.0,))
 
 
 def test_an_unstable_loop_without_sources_is_not_certified() -> None:

@@ -1,4 +1,4 @@
-"""Hostile values, with which `benchmarks.hostile` replaces valid arguments."""
+"""Hostile values, with which `tests.hostile.search` replaces valid arguments."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence

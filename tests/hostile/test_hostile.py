@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks import hostile
-from benchmarks.hostile_values import KINDS, SELDOM_RIGHT
 from synth.errors import SignalError
 from synth.statespace import readonly
+from tests.hostile import search as hostile
+from tests.hostile.values import KINDS, SELDOM_RIGHT
 
 PATIENCE_S = 60.0  # a loaded machine decides nothing here; the command holds each call to its limit
 REFUSALS = 20_800  # of 21,632 calls; those answered are texts, numbers, lists and None where they are right
