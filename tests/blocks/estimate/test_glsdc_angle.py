@@ -10,7 +10,6 @@ import pytest
 
 from synth.blocks.estimate import glsdc_jacobian, glsdc_linearisation
 from synth.blocks.estimate.glsdc_model import Phase, Unknown
-from synth.errors import ModelError
 from synth.signals import Signal
 from synth.statespace import Array
 
@@ -66,9 +65,3 @@ def test_a_change_beyond_the_declared_step_is_limited() -> None:
     """The planted defect: a step that is too small limits the chord of the angle."""
     residuals, reference = linearised("affine", (0.2, 0.0), step=0.05)[0], linearised("direct", (0.2, 0.0))[0]
     assert np.abs(residuals - reference).max() > 1e-3
-
-
-@pytest.mark.parametrize("changed", [{"periodic": True}, {"signal": Signal("turn", "rad", -1.3, 1.3)}])
-def test_an_angle_with_a_period_or_a_large_range_is_refused(changed: dict[str, Any]) -> None:
-    with pytest.raises(ModelError, match="'turn' is an angle"):
-        replace(TURN, **changed)

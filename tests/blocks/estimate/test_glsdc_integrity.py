@@ -197,24 +197,6 @@ def run_without_levels(of: Problem) -> Columns:
     return run(of, compile_block(beacons.block(of)), 5.0).outputs
 
 
-@pytest.mark.parametrize(
-    ("of", "exclude", "message"),
-    [
-        (beacons.ranges(3, bias=True), False, "a test needs one more"),
-        (beacons.ranges(3), True, "exclusion of 1 together 2 more"),
-    ],
-)
-def test_integrity_without_redundancy_is_refused(of: Problem, exclude: bool, message: str) -> None:
-    with pytest.raises(ModelError, match=message):
-        beacons.block(of, integrity(of, exclude))
-
-
-def test_a_prior_that_a_fault_reaches_is_refused() -> None:
-    x = Unknown(beacons.UNKNOWNS["x"].signal, 1.0, 3.0, prior=0.1)
-    with pytest.raises(ModelError, match="carries a fault from sample to sample"):
-        beacons.block(beacons.ranges(4), integrity(beacons.ranges(4)), changed={"x": x})
-
-
 def test_exclusion_from_dependent_channels_is_refused() -> None:
     of = beacons.ranges(5)
     arguments: Any = {"channels": of.channels, "unknowns": [beacons.UNKNOWNS[n] for n in of.unknowns]}
@@ -223,22 +205,3 @@ def test_exclusion_from_dependent_channels_is_refused() -> None:
         glsdc_estimator.estimator(
             "e", beacons.TIME, beacons.measurement(of), R, integrity=integrity(of, exclude=True), **arguments
         )
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"limits": {"x": 0.0}}, "limit of the protection level of 'x' is 0"),
-        ({"limits": {"x": 1.0}, "risk": 0.6}, "risk is 0.6"),
-        ({"limits": {"x": 1.0}, "false_alarm": 0.0}, "false_alarm is 0"),
-    ],
-)
-def test_a_probability_or_limit_out_of_range_is_refused(arguments: Any, message: str) -> None:
-    with pytest.raises(ModelError, match=message):
-        Integrity(**arguments)
-
-
-@pytest.mark.parametrize(("freedom", "false_alarm", "risk"), [(0, 1e-3, 1e-3), (2, 0.0, 1e-3), (2, 0.5, 0.5)])
-def test_thresholds_that_do_not_exist_are_refused(freedom: int, false_alarm: float, risk: float) -> None:
-    with pytest.raises(ModelError):
-        glsdc_integrity.thresholds(freedom, false_alarm, risk)

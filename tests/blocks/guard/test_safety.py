@@ -424,23 +424,6 @@ def test_invalid_guards_are_refused(inputs: list[GuardedInput], bad_samples: int
         guard(TIME, many(16), 1, [f"u{i}" for i in range(16)])
 
 
-@pytest.mark.parametrize(
-    ("safe", "slew", "text"),
-    [
-        ({}, {"force": 1}, "'force' has no safe value or no rate: declare both"),
-        ({"force": 0}, {}, "'force' has no safe value or no rate"),
-        ({"force": 5}, {"force": 1}, "safe output 5 of 'force' is outside .*: choose one inside"),
-        ({"force": np.nan}, {"force": 1}, "safe output nan"),
-        ({"force": 0}, {"force": 0}, "'force' slews at 0 A per second: the rate must be finite and positive"),
-        ({"force": 0}, {"force": np.inf}, "slews at inf"),
-        ({"force": 0}, {"force": np.nan}, "slews at nan"),
-    ],
-)
-def test_an_incomplete_safety_is_refused(safe: dict[str, float], slew: dict[str, float], text: str) -> None:
-    with pytest.raises(SignalError, match=text):
-        safe_output.block(TIME, [FORCE], Safety(5, safe, slew, "test"))
-
-
 SUSPICIOUS = ("suspected", "suspect_reading", "suspect_angle")
 READING, ANGLE = 1 << 3, 1 << 4  # after the bits of the inputs
 
@@ -543,14 +526,6 @@ def test_manifest_and_header_name_the_suspects() -> None:
     assert made.manifest["faults"] == [*inputs, *named]
     for bit, name in ((3, "reading"), (4, "angle")):
         assert f" *   bit  {bit}  {name}: contradicts other measurements or its prediction\n" in made.files["watched.h"]
-
-
-@pytest.mark.parametrize("suspected", [("wish",), ("reading", "reading"), ("nobody",)])
-def test_invalid_suspects_are_refused(suspected: tuple[str, ...]) -> None:
-    with pytest.raises(SignalError, match=f"'{suspected[-1]}' is not a measurement or one is listed twice: name each"):
-        guard(TIME, INPUTS, 5, suspected)
-    with pytest.raises(SignalError, match="among no measurements"):
-        guard(TIME, INPUTS[2:], 5, suspected)
 
 
 def test_without_suspects_nothing_changes() -> None:

@@ -248,37 +248,6 @@ def test_an_axis_that_shares_its_inverse_is_refused_alone() -> None:
         axis.decouple([laws[0], laws[0]])
 
 
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"modes": {}}, "exosystem frequencies"),
-        ({"modes": {0.0: 0.0}}, "speed of a mode"),
-        ({"weights": {"v": 1.0}}, "no weight on 'q'"),
-        ({"weights": {"q": 1.0, "p": 1.0}}, "'p' is not one of q, v"),
-        ({"weights": {"q": -1.0}}, "above 0"),
-        ({"command_weight": 0.0}, "command weight"),
-        ({"anti_windup": -1.0}, "rate of the anti-windup"),
-        ({"set_point_weight": -0.5}, "part of the set-point|weight of the set-point"),
-        ({"estimator": axis.kalman({"x": 1.0}, {"q": 1.0})}, "process noise of the axis: 'x' is not one of q, v"),
-    ],
-)
-def test_invalid_arguments_are_refused_by_name(changed: dict[str, Any], message: str) -> None:
-    with pytest.raises(SignalError, match=message):
-        default_axis(**changed)
-
-
-def test_noise_that_is_not_positive_is_refused() -> None:
-    with pytest.raises(SignalError, match="sensor noise is"):
-        axis.kalman({"v": 1.0}, {})
-
-
-def test_a_mode_beyond_nyquist_and_a_negative_delay_are_refused() -> None:
-    with pytest.raises(SignalError, match="must lie below"):
-        regulator_for(modes={7000.0: 5.0})
-    with pytest.raises(SignalError, match="the delay is -1 samples"):
-        regulator_for(-1)
-
-
 def test_a_plant_that_the_command_does_not_influence_is_refused() -> None:
     stuck = StateSpace(
         np.array([[0.0, 1.0], [0.0, 0.0]]),

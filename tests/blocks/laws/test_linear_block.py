@@ -11,11 +11,10 @@ from synth.analyse.loops import loop
 from synth.block import Block
 from synth.blocks.laws import linear_block
 from synth.emit import write
-from synth.errors import SignalError, TimingError
 from synth.execute import host
 from synth.signals import Signal
 from synth.statespace import StateSpace, of
-from synth.timing import Continuous, Discrete
+from synth.timing import Discrete
 from tests import tolerances
 from tests.c_code import without_comments
 
@@ -129,14 +128,3 @@ def test_arrays_and_python_control_are_models_too() -> None:
         }
         block = linear_block.block("linear", system, tag="(1)", **signals)
         np.testing.assert_allclose(by_casadi(block, u), recursion(MODEL, u), rtol=DOUBLE, atol=DOUBLE)
-
-
-def test_refusals() -> None:
-    with pytest.raises(TimingError, match="discretise"):
-        make_block(replace(MODEL, time=Continuous()))
-    with pytest.raises(SignalError, match="the inputs given are v, u, but the model's are u, v"):
-        make_block(inputs=INPUTS[::-1])
-    with pytest.raises(SignalError, match="the states given are p, but"):
-        make_block(states=STATES[:1])
-    with pytest.raises(SignalError, match="outside its bounds"):
-        make_block(states=[Signal("p", "m", 1, 2), STATES[1]])
