@@ -3,9 +3,8 @@
     python -m benchmarks.mutation [MODULE...] [--mutants 30] [--seed 0] [--json FILE] [--compare FILE]
 
 A mutant is killed where a test fails, or takes several times the processor time of the unchanged module. Its tests are
-tests/<path>/test_<name>.py, and of the other files of that folder and of those ACROSS folders that import the module the
-tests that are not `slow`.
-None is marked `whole`: the run judges what `make test` notices.
+tests/<path>/test_<name>.py and, of the files of that folder and of those ACROSS folders that import the module, the
+tests that are not `slow`. None is marked `whole`: the run judges what `make test` notices.
 Seed and text of a module determine its mutants. --compare exits with 1 where a module kills fewer than in a --json
 file of an earlier run. Run it in the root of a repository.
 
