@@ -195,14 +195,6 @@ def test_a_closed_loop_pole_lies_on_the_boundary_at_each_crossing(seed: int, sam
     assert off_boundary(L, factor * np.exp(0.01j), frequency) > 1e-6  # the test detects 0.01 rad
 
 
-def test_radians_for_degrees_would_be_detected() -> None:
-    """The planted defect."""
-    L = loop([5], [1, 1, 0])
-    (crossing,) = stability_margins.of_loop(L).gain_crossings
-    assert off_boundary(L, np.exp(-1j * np.radians(crossing.phase_margin)), crossing.frequency) < 1e-9
-    assert off_boundary(L, np.exp(-1j * crossing.phase_margin), crossing.frequency) > 0.1
-
-
 def test_an_all_pass_returns_its_worst_crossings() -> None:
     """L = (s^2 - s + 1) / (s^2 + s + 1) is -1 at 1 rad/s; at 0.999 of its gain nothing crosses."""
     L = loop([1, -1, 1], [1, 1, 1])

@@ -86,14 +86,6 @@ def test_the_largest_deviation_is_attained_and_proved() -> None:
     assert worst.attained[0] <= 1.0 <= worst.bound[0] <= 1.0011 * worst.attained[0]
 
 
-def test_a_bound_without_one_change_is_detected() -> None:
-    q = np.linspace(0.0, 6.0, 500)[None]
-    half = np.array([[0.05]])
-    for changes, exceeded in ((slope_change, False), (lambda q, h: 0 * q, True)):
-        _, bound = worst_deviation.bound_cells(slope_deviation, changes, q, half)
-        assert (slope_deviation(q + half) > bound).any() == exceeded
-
-
 def sines(shift: float) -> isolated_zeros.Equations:
     """Return sin(p) = shift, cos(2 q) + sin(p) = shift: zeros at which cos(2 q) = 0, eight of them."""
 

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from designs.maglev_5dof.paper import polynomial
 from models import maglev_stage
-from synth.analyse.numerics import box, rounding
+from synth.analyse.numerics import box
 from synth.analyse.structure import relative_degree
 from synth.analyse.structure.relative_degree import RelativeDegree
 from synth.errors import ModelError
@@ -122,13 +122,6 @@ NOTHING = [
 def test_a_cancelling_term_does_not_count_as_an_input(number: int) -> None:
     degree = relative_degree.of_plant(textbook_plants.hidden(ca.Function("e", [X1, X2], [NOTHING[number]])))
     assert degree.degrees == (3,) and not degree.worst.singular
-
-
-@pytest.mark.parametrize("number", range(len(NOTHING)))
-def test_without_the_bound_on_rounding_the_degree_is_too_low(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rounding, "LIMIT", 0.0)
-    degree = relative_degree.of_plant(textbook_plants.hidden(ca.Function("e", [X1, X2], [NOTHING[number]])))
-    assert degree.degrees == (1,)
 
 
 def test_a_small_input_is_an_input() -> None:

@@ -108,25 +108,6 @@ def test_direct_feedthrough_counts_as_degree_0() -> None:
     )
 
 
-def test_a_sign_error_in_the_restriction_does_not_pass_the_pencil(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = zero_dynamics._highest_derivatives
-    monkeypatch.setattr(
-        zero_dynamics, "_highest_derivatives", lambda model, r: (-right(model, r)[0], right(model, r)[1])
-    )
-    dynamics = zero_dynamics.of_linear(random_model(8, 2, (2, 3), 0), (2, 3))
-    assert not dynamics.is_consistent and "DISAGREE" in repr(dynamics)
-
-
-@pytest.mark.parametrize("degrees", [(1, 3), (3, 3), (1, 1), (2, 2)])
-def test_wrong_degrees_do_not_pass(degrees: tuple[int, int]) -> None:
-    try:
-        dynamics = zero_dynamics.of_linear(random_model(8, 2, (2, 3), 1), degrees)
-    except ModelError as error:
-        assert "degree" in str(error)
-    else:
-        assert not dynamics.is_consistent
-
-
 @pytest.mark.parametrize(("zeros", "C", "degree"), [([2], [-2, 1, 0], 2), ([-1, 1], [-1, 0, 1], 1)])
 def test_a_degree_above_that_of_the_output_is_refused(zeros: list[float], C: list[float], degree: int) -> None:
     """Chains of integrators, whose transfer function is C's polynomial over s^3: its zeros are the roots."""

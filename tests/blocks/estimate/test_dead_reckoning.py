@@ -163,16 +163,6 @@ def test_the_last_innovation_removes_the_offset_of_an_unknown_acceleration() -> 
     assert bridge(repeated=True) < d * (20 * T) ** 2 + d * 20 * T**2 / (1 - R)
 
 
-@pytest.mark.parametrize("defect", ["position_gain", "rate_gain", "half_step"])
-def test_a_planted_constant_is_detected(defect: str) -> None:
-    block = dead_reckoning.block("reckoning", TIME, [AXIS])
-    off = [replace(c, value=1.1 * c.value) if c.name == f"q_{defect}" else c for c in block.constants]
-    f = np.sin(0.05 * np.arange(400))
-    q = motion(f, v=0.3)
-    sound, wrong = (run(b, q, f)[0] for b in (block, replace(block, constants=tuple(off))))
-    assert np.abs(sound - wrong).max() > 1e-6
-
-
 def loop(share: float = 0.5, change: float = 1.0) -> Block:
     """Return reckoning and braking of an axis whose effort is limited to 1 A; `change` scales the braking gain."""
     axis = replace(AXIS, effort=replace(F, name="acting", low=-1.0, high=1.0))
@@ -204,11 +194,6 @@ def test_a_moving_axis_stops_without_measurements(v: float) -> None:
     rates = brake(loop(), v)
     stopped = 200 + int(np.ceil(abs(v) / (B * T))) + 12
     assert np.abs(rates[stopped:]).max() < 1e-3 * abs(v)
-
-
-def test_a_planted_gain_does_not_stop_it() -> None:
-    assert np.abs(brake(loop(change=-1.0), 0.05)[-1]) > 0.05
-    assert np.abs(brake(loop(change=1e-2), 0.05)[-1]) > 5e-3
 
 
 def test_the_law_passes_unchanged_while_nothing_brakes() -> None:

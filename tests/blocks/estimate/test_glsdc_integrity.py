@@ -111,19 +111,6 @@ def test_the_achieved_risk_is_at_most_the_allocated_one(of: Problem, exclude: bo
             assert result.outputs["valid"].mean() > 0.99
 
 
-def test_a_level_without_the_fault_is_misleading(monkeypatch: pytest.MonkeyPatch) -> None:
-    of = beacons.ranges(4, bias=True)
-    original = glsdc_integrity.thresholds(1, FALSE_ALARM, RISK)
-    planted = glsdc_integrity.Thresholds(original.test, 1e-6, original.deviations, original.hypothesis)
-    monkeypatch.setattr(glsdc_integrity, "thresholds", lambda *_: planted)
-    wrong = compile_block(beacons.block(of, integrity(of)))
-    monkeypatch.undo()
-    right = compile_block(beacons.block(of, Integrity({"x": 5.0, "y": 5.0}, FALSE_ALARM, RISK)))
-    sizes = (4.0, 6.0, 8.0)
-    assert max(max(run(of, wrong, s).misleading(["x", "y"])) for s in sizes) > 3 * RISK
-    assert max(max(run(of, right, s).misleading(["x", "y"])) for s in sizes) <= RISK
-
-
 def test_noise_beyond_the_covariance_shows_as_false_alarms_and_risk() -> None:
     of = beacons.ranges(5)
     result = run(of, compiled(of, exclude=False), 0.0, noise=2.0)

@@ -190,12 +190,6 @@ def test_a_reading_far_from_a_prediction_that_is_not_believed_has_not_jumped(har
     assert not any(jump(**harmless)[0])  # type: ignore[arg-type]
 
 
-def test_without_a_gate_of_jumps_none_is_noticed() -> None:
-    """The planted defect: without the test a jump is used as it is."""
-    suspects, differences, _ = jump(3e-3, 10, decision=DECISION)
-    assert not any(suspects) and differences[-1] == pytest.approx(3e-3)
-
-
 @pytest.mark.parametrize(("wide", "by"), [(4e-3, -0.01), (0.0, -0.01), (4e-3, 3.5e-3)])
 def test_with_a_wide_gate_a_reading_that_moves_away_from_a_doubted_prediction_is_noticed(
     wide: float, by: float

@@ -83,24 +83,6 @@ def test_the_cost_is_the_integral_along_the_loop_and_no_other_gain_has_a_lower_o
         assert integral(other, plant, (Q, R, N), delay, z) > whole * (1 + 1e-9)
 
 
-@pytest.mark.parametrize("delay", DELAYS[1:])
-def test_a_gain_that_takes_the_input_for_prompt_costs_more(delay: float) -> None:
-    """Planted: the gain without the delay, on the plant's states alone; and the cross weight of the period dropped."""
-    plant, *weights = problem(5)
-    Q, R, N = weights
-    cost = lqr.sampled_cost(plant, Q, R, T, N, delay_s=delay)
-    best = lqr.lqrd(plant, Q, R, T, N, delay_s=delay)
-    z = np.random.default_rng(0).normal(size=best.K.shape[1])
-    least = integral(best, plant, (Q, R, N), delay, z)
-    prompt = np.zeros(best.K.shape)
-    prompt[:, :3] = lqr.lqrd(plant, Q, R, T, N).K
-    A, B = cost.model.A, cost.model.B
-    if np.abs(np.linalg.eigvals(A + B @ prompt)).max() < 0.99:
-        assert integral(replace(best, K=prompt), plant, (Q, R, N), delay, z) > least * 1.001
-    crossless = lqr.lqr(cost.model, cost.Q, cost.R)
-    assert integral(replace(best, K=crossless.K), plant, (Q, R, N), delay, z) > least * 1.001
-
-
 def test_without_a_delay_nothing_changes() -> None:
     plant, Q, R, N = problem(3)
     for exact in (False, True):

@@ -95,11 +95,6 @@ def test_noisy_start_states_leave_intervals_true(measured: tuple[str, ...], span
     assert coverage(12, measured, span) > 0.8
 
 
-def test_start_states_that_are_taken_from_the_log_do_not_cover() -> None:
-    """Planted: the first row counts as exact; 41 % of 300 intervals hold the truth then."""
-    assert coverage(8, ("s",), None, fixed=True) < 0.75
-
-
 def coarse(seed: int) -> tuple[Plant, Log]:
     """Return a stage of 7 Hz and its log at 50 Hz, noise a thousandth of the travel."""
     truth = {"m": 2.0, "d": 3.0, "k": 4000.0}

@@ -98,21 +98,6 @@ def test_the_planar_loop_separates_and_is_the_one_of_33(p: float) -> None:
     assert round(float(np.abs(compensator.poles).max()), 5) == 0.94562
 
 
-def defective(kind: str) -> reduced_observer.ReducedObserver:
-    good = reduced_observer.from_gain(HELD, (*POSITIONS, *INTEGRALS), speed_gain(0.3))
-    part, L, F = good.partition, good.L, good.F
-    if kind == "G":
-        return replace(good, G=F @ L + part.A21 + L @ part.A11)
-    if kind == "H":
-        return replace(good, H=part.B2 + L @ part.B1)
-    return replace(good, from_x1=good.from_x1 * np.where(np.arange(9) < 6, 1.0, -1.0)[:, None])
-
-
-@pytest.mark.parametrize("kind", ["G", "H", "x2^ = x3 - L x1"])
-def test_a_planted_defect_spoils_the_separation(kind: str) -> None:
-    assert reduced_compensator.compensator(defective(kind), -K49).separation > 1e-6
-
-
 def misapplied_equation(psi: Array, theta: Array) -> Array:
     """Return H of Y(41), a continuous Riccati equation, for the matrices of the sampled model."""
     A12 = HELD.A[:6, 6:]

@@ -62,22 +62,6 @@ def test_a_start_of_no_knowledge_keeps_fourteen_digits() -> None:
         P = [[P[i][j] + exact_W[i][j] for j in range(3)] for i in range(3)]
 
 
-def test_the_textbook_update_loses_that_start() -> None:
-    """(I - K C) P in double precision, so that the test above has something to see."""
-    m, W = chain()
-    P = 1e8 * np.eye(3)
-    for _ in range(3):
-        K = P @ m.C.T / (m.C @ P @ m.C.T + 25e-10)
-        P = m.A @ (P - K @ m.C @ P) @ m.A.T + W
-    K = P @ m.C.T / (m.C @ P @ m.C.T + 25e-10)
-    wrong = P - K @ m.C @ P
-    now = square_root_kalman.initial(m, 1e8 * np.eye(3))
-    for _ in range(3):
-        now = square_root_kalman.predict(square_root_kalman.update(now, m, [25e-10], [0.0]), m, W)
-    right = square_root_kalman.update(now, m, [25e-10], [0.0]).P
-    assert np.abs(np.diag(wrong) / np.diag(right) - 1).max() > 1e-6
-
-
 def least_squares(
     plant: StateSpace, P0: Array, W: Array, V: Array, mean: Array, y: Array, u: Array
 ) -> tuple[Array, Array]:

@@ -221,14 +221,6 @@ def test_every_parameter_of_table_i_is_perturbed_and_all_but_one_matter(nominal:
     assert {n for n in used if not n.startswith("F-")} <= set(NAMES)
 
 
-def test_a_wrong_declaration_is_found(nominal: dict[str, Row]) -> None:
-    frozen = {"F-7": nominal["F-7"]}
-    assert wrong_dependences(frozen, frozen, "r") == ["F-7"]
-    undeclared = {"F-7": replace(nominal["F-7"], depends=())}
-    after = {"F-7": row("F-7", setup_with(r=0.4))}
-    assert wrong_dependences(undeclared, after, "r") == ["F-7"]
-
-
 def one(name: str, **changed: float) -> Row:
     return row(name, setup_with(**changed))
 
