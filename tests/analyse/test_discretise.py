@@ -218,16 +218,6 @@ def test_the_gramian_is_zero_without_weight_or_without_states() -> None:
     assert not discretise.gramian([[1.0]], [[0.0]], T).W.any()
 
 
-def test_arrays_and_python_control_systems_are_sampled_too() -> None:
-    c = random_model(3)
-    held = discretise.zero_order_hold(c, T)
-    for system in ((c.A, c.B, c.C, c.D), c.to_control()):
-        again = discretise.zero_order_hold(system, T)
-        assert again.A.tobytes() == held.A.tobytes() and again.B.tobytes() == held.B.tobytes()
-    late = discretise.delay_samples(held.to_control())
-    assert late.A.tobytes() == discretise.delay_samples(held).A.tobytes()
-
-
 def test_sampling_and_delay_carry_units() -> None:
     units = {"x": "m", "v": "m/s", "f": "N", "y": "m"}
     c = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("x", "v"), ("f",), ("y",), Continuous(), units)

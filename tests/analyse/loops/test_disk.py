@@ -230,13 +230,6 @@ def test_the_curve_is_the_margin_of_each_frequency() -> None:
     assert (margin.curve[inner] <= alpha * (1 + 1e-6)).all() and margin.curve[inner] == pytest.approx(alpha, rel=0.01)
 
 
-def test_a_model_may_be_arrays_or_a_python_control_system() -> None:
-    loop = feedback_loop.close(*lqg_pair(2, True, 1)).Li
-    expected = disk.of_loop(loop).alpha
-    assert disk.of_loop((loop.A, loop.B, loop.C, loop.D, 0.3)).alpha == expected
-    assert disk.of_loop(loop.to_control()).alpha == expected
-
-
 def test_a_loop_without_gain_has_no_factors_to_show() -> None:
     """L = 0 with skew -1: f has no effect, whatever it is."""
     margin = disk.of_loop(([[-1.0]], [[0.0]], [[0.0]]), -1.0)

@@ -173,10 +173,6 @@ def test_the_residual_catches_a_wrong_integral(monkeypatch: pytest.MonkeyPatch) 
     assert gramian.gramians(system).residual > 1e-3
 
 
-def test_a_python_control_system_is_accepted() -> None:
-    assert gramian.gramians(control.ss(-1, 1, 1, 0)).hankel == pytest.approx([0.5])
-
-
 def butterworth(direct: bool) -> control.StateSpace:
     """Return a slow filter of order 4: in direct form, or in modal coordinates."""
     if direct:

@@ -91,13 +91,6 @@ def test_random_models_have_slicots_zeros(n: int, p: int, degrees: tuple[int, ..
     assert dynamics.verdict == ("minimum phase" if expected.real.max() < 0 else "not minimum phase")
 
 
-def test_arrays_and_python_control_systems_are_accepted() -> None:
-    model = random_model(5, 1, (3,), 7)
-    here = zero_dynamics.of_linear(model, (3,))
-    for system in (model.to_control(), (model.A, model.B, model.C, model.D)):
-        np.testing.assert_allclose(values(zero_dynamics.of_linear(system, (3,))), values(here), rtol=1e-12)
-
-
 def test_direct_feedthrough_counts_as_degree_0() -> None:
     """y = x + 2 u, x' = -x + u: held at 0, u = -x / 2 and x' = -1.5 x."""
     dynamics = zero_dynamics.of_linear(([[-1.0]], [[1.0]], [[1.0]], [[2.0]]), (0,))

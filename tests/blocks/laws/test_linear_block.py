@@ -1,9 +1,6 @@
 """Sampled linear models as Blocks against their recursion in NumPy, as CasADi evaluates them and as compiled C."""
 
-from dataclasses import replace
-
 import casadi as ca
-import control
 import numpy as np
 import pytest
 
@@ -13,7 +10,7 @@ from synth.blocks.laws import linear_block
 from synth.emit import write
 from synth.execute import host
 from synth.signals import Signal
-from synth.statespace import StateSpace, of
+from synth.statespace import StateSpace
 from synth.timing import Discrete
 from tests import tolerances
 from tests.c_code import without_comments
@@ -107,17 +104,3 @@ def test_states_stay_in_their_ranges() -> None:
     u = np.random.default_rng(2).uniform(-1, 1, (100, 2))
     p = by_c(make_block(states=narrow), u)[:, 0]
     assert p.min() == -0.2 and p.max() == 0.1
-
-
-def test_arrays_and_python_control_are_models_too() -> None:
-    arrays = (MODEL.A, MODEL.B, MODEL.C, MODEL.D, TIME)
-    u = np.random.default_rng(3).uniform(-1, 1, (10, 2))
-    labels = {"states": ["p", "q"], "inputs": ["u", "v"], "outputs": ["p", "w"]}
-    for system in (arrays, control.ss(*arrays[:4], 1e-3, **labels)):
-        model = of(system)
-        signals = {
-            kind: [replace(s, name=name) for s, name in zip(wired, getattr(model, kind), strict=True)]
-            for kind, wired in (("inputs", INPUTS), ("outputs", OUTPUTS), ("states", STATES))
-        }
-        block = linear_block.block("linear", system, tag="(1)", **signals)
-        np.testing.assert_allclose(by_casadi(block, u), recursion(MODEL, u), rtol=DOUBLE, atol=DOUBLE)

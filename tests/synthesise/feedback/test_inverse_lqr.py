@@ -160,10 +160,3 @@ def test_a_sampled_lag_by_hand() -> None:
 def test_the_poles_of_the_open_loop_need_no_weight() -> None:
     c = model([[-1.0, 1], [0, -2]], [[0], [1.0]])
     np.testing.assert_allclose(inverse_lqr.diagonal_weights(c, [-1, -2]).q, 0, atol=tolerances.of("double"))
-
-
-def test_arrays_and_python_control_systems_are_read_and_results_print() -> None:
-    for system in ((DOUBLE.A, DOUBLE.B), DOUBLE.to_control()):
-        np.testing.assert_allclose(inverse_lqr.diagonal_weights(system, [-3, -5]).q, [225, 34], rtol=1e-9)
-    text = repr(inverse_lqr.diagonal_weights(DOUBLE, [-3, -5]))
-    assert "Diagonal weights for R = 1" in text and "they are unique" in text and "x0" in text and "225" in text

@@ -175,19 +175,6 @@ def test_poles_that_double_precision_does_not_resolve_are_refused() -> None:
         pole_placement.place(pair(16, 7, 1), [-1.0] * 7)
 
 
-def test_any_system_is_read_and_the_result_prints_itself() -> None:
-    A, B = pair(10, 3, 2)
-    native = model(A, B)
-    arrays = pole_placement.place((A, B), [-1, -2, -3])
-    for system in (native, native.to_control()):
-        placement = pole_placement.place(system, [-1, -2, -3])
-        np.testing.assert_array_equal(placement.K, arrays.K)
-        assert placement.states == native.states
-        text = repr(placement)
-        assert "Poles asked for: -3, -2, -1" in text
-        assert all(name in text for name in "pqrfg")
-
-
 def test_many_poles_take_few_turns_and_the_better_gain_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """With 24 states a turn over all pairs costs (24 / 15)^3 of one with 15; placing step by step misses by far."""
     A, B = pair(0, 24, 3)

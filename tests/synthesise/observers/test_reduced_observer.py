@@ -163,20 +163,6 @@ def test_a_late_input_is_estimated_or_measured() -> None:
     assert max(np.abs(misses(o)[-1]).max() for o in (observer, known)) < tolerances.of("settled")
 
 
-def test_any_system_is_read_and_the_result_prints_itself() -> None:
-    model = random_model(8)
-    arrays = (model.A, model.B, model.C, model.D, model.time)
-    first = by_poles(model, ("y0", "y1"), spread_poles(3))
-    for system, measured in ((model.to_control(), ("y0", "y1")), (arrays, ("y1", "y2"))):
-        observer = reduced_observer.from_gain(system, measured, first.L)
-        np.testing.assert_array_equal(observer.F, first.F)
-    text = repr(by_poles(HELD, "x", [0.25]))
-    assert "Reduced-order observer of v from x, discrete time of 0.01 s" in text
-    assert "Poles of the error: 0.25" in text
-    assert "v [m/s]" in text and "next v_x3" in text
-    assert "d/dt v_x3" in repr(reduced_observer.from_gain(CART, "x", 5))
-
-
 @pytest.mark.parametrize("g", [1e3, 1e6])
 def test_a_slow_mode_beside_a_fast_one_is_accepted(g: float) -> None:
     """The poles are -g and -1 / g: the second is slow beside the first, and exact."""

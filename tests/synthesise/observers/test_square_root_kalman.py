@@ -185,20 +185,6 @@ def test_an_estimate_prints_names_units_and_deviations() -> None:
     assert "0.002" in text
 
 
-def test_arrays_and_python_control_systems_are_models() -> None:
-    m, W = chain()
-    arrays = (m.A, np.zeros((3, 1)), m.C, [[0.0]], 1e-3)
-    want = square_root_kalman.update(
-        square_root_kalman.predict(square_root_kalman.initial(m, np.eye(3)), m, W), m, [1e-4], [1.0]
-    )
-    for system in (arrays, of(arrays).to_control()):
-        start = square_root_kalman.initial(of(arrays), np.eye(3))
-        names = dict(zip(of(system).states, start.states, strict=True))
-        now = square_root_kalman.StateEstimate(start.x, start.root, tuple(names), {})
-        now = square_root_kalman.update(square_root_kalman.predict(now, system, W), system, [1e-4], [1.0])
-        np.testing.assert_array_equal(now.x, want.x)
-
-
 def test_a_model_without_states_is_believed() -> None:
     nothing = np.zeros((0, 0))
     plant = StateSpace(nothing, np.zeros((0, 1)), np.zeros((1, 0)), [[1.0]], (), ("u",), ("y",), Discrete(0.1))

@@ -90,10 +90,3 @@ def test_weights_are_given_by_name_and_exact_gains_agree() -> None:
     np.testing.assert_allclose(regulator.K, exact.K, rtol=tolerances.of("lyapunov"))
     with pytest.raises(SignalError, match="names 'xi2_gap', which is not one of a, b, c, xi1_gap, xi1_tilt"):
         optimal_servo.lqrd(c, (0.0,), {"xi2_gap": 1.0}, [1.0, 1.0], 0.1)
-
-
-def test_any_form_of_system_is_read() -> None:
-    c = plant(np.random.default_rng(2))
-    regulator = optimal_servo.lqrd((c.A, c.B, c.C, c.D), (0.0,), np.eye(5), np.eye(2), 0.1)
-    again = optimal_servo.lqrd(c.to_control(), (0.0,), np.eye(5), np.eye(2), 0.1)
-    np.testing.assert_array_equal(regulator.K, again.K)

@@ -146,12 +146,6 @@ def test_the_loop_is_that_of_python_control() -> None:
     np.testing.assert_allclose(loop.response(s), theirs, rtol=tolerances.of("lyapunov"), atol=tolerances.of("lyapunov"))
 
 
-def test_any_form_of_system_is_read() -> None:
-    loop = transfer([1, 0], [1, 2, 1])
-    again = steady_error.evaluate(loop.to_control(), ["e"], (0.0, 1.0))
-    np.testing.assert_array_equal(again.response, steady_error.evaluate(loop, ["e"], (0.0, 1.0)).response)
-
-
 @pytest.mark.parametrize("time", [Continuous(), Discrete(T)])
 def test_a_loop_without_states_or_errors_is_certified(time: Continuous | Discrete) -> None:
     """A constant passes everything on; where nothing is regulated nothing is left."""

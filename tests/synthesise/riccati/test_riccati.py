@@ -245,15 +245,6 @@ def test_a_weight_that_is_singular_within_rounding_is_refused() -> None:
     riccati.solve(c, np.eye(2), np.diag([1.0, 1e-20]))  # units, not singularity
 
 
-def test_arrays_and_python_control_systems_are_read_and_weights_go_by_name() -> None:
-    c = model([[0, 1], [0, 0]], [[0], [1]])
-    expected = riccati.solve(c, np.diag([2.0, 0.0]), [[3.0]])
-    for system in ((c.A, c.B, c.C, c.D), c.to_control()):
-        np.testing.assert_array_equal(riccati.solve(system, [2.0, 0.0], [3.0]).X, expected.X)
-    np.testing.assert_array_equal(riccati.solve(c, {"x0": 2.0}, {"u0": 3.0}).X, expected.X)
-    np.testing.assert_array_equal(expected.Q, np.diag([2.0, 0.0]))
-
-
 def test_the_result_prints_its_certificate_and_its_tables() -> None:
     text = repr(riccati.solve(model([[0, 1], [0, 0]], [[0], [1]]), np.eye(2), [[1.0]]))
     assert text.startswith("Riccati solution in continuous time: 2 states, 1 inputs\nresidual ")
