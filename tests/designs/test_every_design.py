@@ -20,6 +20,7 @@ from synth.execute import host
 from synth.report import standard
 from synth.testing import test_the_evidence_passes as passes
 from synth.testing import undetected_defects
+from synth.verify import agree, sampling
 from tests import tools
 
 ROOT = Path(__file__).parents[2]
@@ -113,3 +114,16 @@ def test_the_equations_of_the_law_are_shown(design: Design) -> None:
     """The section checks each equation against the Block, and fails for a signal without a value."""
     assert design.stage is not None
     assert standard.law(design.stage.controller.block).title == standard.LAW
+
+
+@pytest.mark.parametrize("name", [name for name in DESIGNS if name != "hall_position"])  # an estimator goes on
+def test_once_latched_only_the_guard_and_the_safe_output_move(name: str) -> None:
+    stage, n = DESIGNS[name].stage, 300
+    assert stage is not None
+    block, rng = stage.controller.block, np.random.default_rng(6)
+    states, inputs = sampling.anywhere(block, rng, n)
+    states |= {"guard_latched": np.arange(n) % 2.0, "guard_ready": np.ones(n)}
+    after, latched = agree.casadi(block)(states, inputs).states, np.arange(n) % 2 == 1
+    loops = [s for s in states if not s.startswith(("guard_", "safe_output_"))]
+    assert loops and all((after[s][latched] == states[s][latched]).all() for s in loops)
+    assert np.mean([(after[s][~latched] != states[s][~latched]).any() for s in loops]) > 0.5

@@ -133,7 +133,7 @@ MODEL = [
         call(
             worst_deviation.search,
             "unknown 0 exceeds ...at q = ...rank seems to be lost: add a sensor",
-            deviations=lambda q, pole=pole: 1 / np.maximum(np.abs(q - pole), 1e-90),
+            deviations=lambda q, p=pole: np.divide(1, np.abs(q - p), np.full_like(q, np.inf), where=q != p),
             changes=lambda q, half: half + 0 * q,
             low=[0.0],
             high=[2.0],
@@ -141,7 +141,7 @@ MODEL = [
             tolerance=0.001,
             max_cells=2000,
         )
-        for pole in (1.001, 1.0)
+        for pole in (1.001, 1.0)  # between the middles of cells, and on one
     ),
     call(worst_deviation.search, "the lower ones first", low=[1.0], high=[0.0]),
     call(worst_deviation.search, "are more than 3000", cells=[10**9], tolerance=0.001, max_cells=30000000),

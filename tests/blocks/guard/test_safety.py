@@ -21,7 +21,6 @@ from synth.blocks.guard.safety import LATCH_BIT, GuardedInput, Safety, frozen, g
 from synth.composition import compose
 from synth.emit.write import EmittedCode, emit
 from synth.errors import SignalError
-from synth.execute import compile as compiler
 from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -390,11 +389,6 @@ def test_an_output_proved_in_range_is_not_limited_again(width: float, limits: in
     force = controller.replay(u).outputs["force"]
     reach = f32(min(width, FORCE.high))
     assert force.min() == -reach and force.max() == reach and force[-1] == 2.5
-
-
-def test_the_c_is_free_of_warnings() -> None:
-    files = emit(controller(), f32).files
-    compiler.check({n: t for n, t in files.items() if n.endswith((".c", ".h"))})
 
 
 def many(count: int) -> list[GuardedInput]:

@@ -97,10 +97,3 @@ def test_the_linearisation_returns_the_model() -> None:
     linear = loop.linearise_block(make_block(), {}, {"u": 0.0, "v": 0.0})
     for letter in "ABCD":
         np.testing.assert_array_equal(getattr(linear, letter), getattr(MODEL, letter))
-
-
-def test_states_stay_in_their_ranges() -> None:
-    narrow = [Signal("p", "m", -0.2, 0.1), Signal("q", "m/s", -50, 50)]
-    u = np.random.default_rng(2).uniform(-1, 1, (100, 2))
-    p = by_c(make_block(states=narrow), u)[:, 0]
-    assert p.min() == -0.2 and p.max() == 0.1
