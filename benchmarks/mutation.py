@@ -48,7 +48,7 @@ MODULES = (
     "synth/report/audit.py",
 )
 ACROSS = (  # below tests: tables and properties of many modules
-    *(("refusals", f"test_{folder}.py") for folder in ("analyse", "synthesise", "blocks")),
+    *(("refusals", f"test_{folder}.py") for folder in ("analyse", "synthesise", "regulation", "blocks")),
     ("blocks", "test_every_block.py"),
 )
 LIBRARIES = (
