@@ -79,7 +79,7 @@ ALONG = np.linspace(-0.9, 0.9, 41)
 CENTRE = np.c_[ALONG, 0 * ALONG]
 
 
-def turned(**changed: object) -> Unknown:
+def angle(**changed: object) -> Unknown:
     return replace(TURN, **changed)  # type: ignore[arg-type]
 
 
@@ -344,8 +344,8 @@ SIGNAL = [
     ),
 ]
 MODEL = [
-    call(turned, "'turn' is an angle", periodic=True),
-    call(turned, "'turn' is an angle", signal=Signal("turn", "rad", -1.3, 1.3)),
+    call(angle, "'turn' is an angle", periodic=True),
+    call(angle, "'turn' is an angle", signal=Signal("turn", "rad", -1.3, 1.3)),
     *(
         call(function, part, **changed)
         for function, changed, part in (

@@ -7,11 +7,11 @@ from designs.maglev import platen
 from designs.maglev.fault_handling import MISSED_CALLS
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
+from studies.maglev.held_currents import PERIOD_S, STATES, course, machine
 from synth.app import standard_tasks
 from synth.simulate.faults import campaign, machines
 from synth.simulate.scenario import Trajectory, sample_times
 from tests.designs.maglev_5dof import full_plant
-from tests.designs.maglev_5dof.held_currents import PERIOD_S, STATES, course, machine
 
 WRONG_PLANTS = (1, 6)  # of the campaign: with stronger magnets, so the gap is less stable
 CLIMBING = (20.5 / 24, 21 / 24)  # phases of the course in which the platen approaches its upper stop
