@@ -282,10 +282,6 @@ def _no_update(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(square_root_kalman, "update", lambda now, *_: now)
 
 
-def _predicting_filter(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(kalman.Estimator, "current", kalman.Estimator.predictor)
-
-
 @pytest.mark.parametrize(
     ("name", "defect", "verdict"),
     [
@@ -299,12 +295,6 @@ def test_a_planted_defect_costs_the_verdict(
 ) -> None:
     defect(monkeypatch)
     assert one(name).verdict == verdict != VERDICTS[name]
-
-
-def test_the_other_form_of_the_filter_is_another_figure(rows: dict[str, Row], monkeypatch: pytest.MonkeyPatch) -> None:
-    _predicting_filter(monkeypatch)
-    assert abs(one("Y-13")["bandwidth at 800 Hz"] / rows["Y-13"]["bandwidth at 800 Hz"] - 1) > 0.05
-    assert abs(one("Y-15")["noise left in x and y at 800 Hz"] - 0.33906) > 0.01
 
 
 # The rows of records
