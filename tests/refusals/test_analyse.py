@@ -311,6 +311,7 @@ SIGNAL = [
     ),
     call(feedback_loop.feedback, "has no unit feedback", forward=([[-1.0]], [[1.0, 2.0]], [[1.0]])),
     call(interconnect.connect, "'q' is not one of x, f", wires={"f": {"q": 1.0}}),
+    *(call(interconnect.connect, "the factor is ", wires={"f": {"f": factor}}) for factor in (np.nan, np.inf)),
     call(interconnect.connect, "listed 2 times among the models' ", models=[LAG, LAG]),
     call(interconnect.connect, "'x' is an external input and a model's output", inputs=["x"]),
     call(interconnect.connect, "there are no models to connect", models=[]),
