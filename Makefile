@@ -54,15 +54,12 @@ bench: $(VENV)/.dev
 	$(BIN)/python -m benchmarks.axes
 	$(BIN)/python -m benchmarks.synthesis
 	$(BIN)/python -m benchmarks.disk
-	$(BIN)/python -m benchmarks.planar
 	$(BIN)/python -m benchmarks.startup
 	$(BIN)/python -m benchmarks.response
 	$(BIN)/python -m benchmarks.simulation
 	$(BIN)/python -m benchmarks.margins
 	$(BIN)/python -m benchmarks.riccati
 	$(BIN)/python -m benchmarks.glsdc
-	$(BIN)/python -m benchmarks.hall
-	$(BIN)/python -m benchmarks.hostile
 
 prove: $(VENV)/.dev
 	$(BIN)/synth prove --whole

@@ -3,8 +3,8 @@
     python -m benchmarks.mutation [MODULE...] [--mutants 30] [--seed 0] [--json FILE] [--compare FILE]
 
 A mutant is killed where a test fails, or takes several times the processor time of the unchanged module. Its tests are
-tests/<path>/test_<name>.py, and of the other files of that folder that import the module the tests that are not `slow`.
-None is marked `whole`: the run judges what `make test` notices.
+tests/<path>/test_<name>.py and, of the files of that folder and of those ACROSS folders that import the module, the
+tests that are not `slow`. None is marked `whole`: the run judges what `make test` notices.
 Seed and text of a module determine its mutants. --compare exits with 1 where a module kills fewer than in a --json
 file of an earlier run. Run it in the root of a repository.
 
@@ -46,6 +46,10 @@ MODULES = (
     "synth/simulate/metrics.py",
     "synth/verify/agree.py",
     "synth/report/audit.py",
+)
+ACROSS = (  # below tests: tables and properties of many modules
+    *(("refusals", f"test_{folder}.py") for folder in ("analyse", "synthesise", "regulation", "blocks")),
+    ("blocks", "test_every_block.py"),
 )
 LIBRARIES = (
     *("numpy", "scipy.linalg", "scipy.optimize", "scipy.signal", "scipy.stats", "casadi", "sympy", "control"),
@@ -133,10 +137,11 @@ def mutate(text: str, number: int) -> tuple[ast.Module, int, str]:
 
 
 def tests_of(module: Path) -> tuple[Path, ...]:
-    """Return the test file of a module, and the others of its folder that import the module."""
+    """Return the test file of a module, and the others of its folder and ACROSS folders that import the module."""
     folder, name = Path("tests", *module.parts[1:-1]), ".".join(module.with_suffix("").parts)
     first = folder / f"test_{module.stem}.py"
-    neighbours = [path for path in sorted(folder.glob("test_*.py")) if path != first and name in _imports(path)]
+    others = [*sorted(folder.glob("test_*.py")), *(Path("tests", *parts) for parts in ACROSS)]
+    neighbours = [path for path in others if path != first and path.exists() and name in _imports(path)]
     return (*([first] if first.exists() else []), *neighbours)
 
 

@@ -51,7 +51,6 @@ QUESTIONS = frozenset(  # they return a truth value
     [
         "is_answered",
         "is_guarded",
-        "is_checked",
         "is_flagged",
         "is_followed",
         "is_listed",

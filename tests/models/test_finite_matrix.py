@@ -39,13 +39,6 @@ def test_the_slope_along_z_is_the_difference_of_two_heights(fabricated: finite_m
     np.testing.assert_allclose(slope, (flux[3.1e-3] - flux[2.9e-3]) / 2e-4, rtol=0, atol=third)
 
 
-def test_blocks_turned_the_wrong_way_are_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the cycle run backwards the weak side is up, and the field a fiftieth."""
-    monkeypatch.setattr(finite_matrix, "CYCLE", finite_matrix.CYCLE * [-1, 1])
-    wrong = finite_matrix.series(finite_matrix.blocks(1.43, 1.10), 24)
-    assert difference(wrong) > 1000 * LATTICE
-
-
 def test_what_blocks_there_are() -> None:
     for matrix, strong, weak in (
         (finite_matrix.fabricated_blocks(), 1.43, 1.10),

@@ -71,18 +71,6 @@ def test_the_change_with_lift_and_yaw_is_that_of_the_integral(bars: magpylib.Col
     assert_close(yawed, (theirs[1] - theirs[-1]) / (2 * phi), 10)  # N/(A rad), of 14: over 20 mrad 2e-4 N/A
 
 
-@pytest.mark.parametrize("order", [{"A": 0.0, "B": 1 / 3, "C": -1 / 3}, {"A": 1 / 6, "B": -1 / 6, "C": 0.5}])
-def test_bands_in_another_order_are_caught(
-    bars: magpylib.Collection, order: dict[str, float], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(lorentz_motor, "PHASE_OFFSETS", order)
-    series, theirs = (
-        finite_matrix.series(finite_matrix.ideal_blocks(), 16),
-        oracle.wrenches(bars, WIRES[False], (0.0, 0.0)),
-    )
-    assert np.abs(at(maps_of_phases(series, "value", False), (0, 0)) - theirs).max() > 5
-
-
 # The closed law
 
 

@@ -39,15 +39,6 @@ def test_tables_keep_their_stated_error(bars: magpylib.Collection, seed: int) ->
             assert off[:, :3].max() < force and off[:, 3:].max() < torque
 
 
-def test_a_spline_that_is_too_coarse_is_caught(bars: magpylib.Collection, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Twelve points a pitch instead of 32."""
-    monkeypatch.setattr(finite_stage, "FORCE_HARMONICS", 6)
-    motor = finite_stage._motor(finite_matrix.ideal_blocks(), 0.0)
-    x, y = 0.0123, -0.0457
-    off = np.abs(tabulated_map(np.array(motor(x, y)), 0.0, 0.0) - oracle.wrenches(bars, WIRES, (x, y)))
-    assert off[:, :3].max() > 2 * ERRORS[0][2]
-
-
 def accelerations_by_quadrature(bars: magpylib.Collection, x: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Return the accelerations x, y, phi, z, theta, psi of a level platen, from quadrature alone."""
     X, Y, phi, z, theta, psi = x[:6]

@@ -88,14 +88,6 @@ def test_jacobians_are_differences_of_the_voltages(six: bool) -> None:
         assert off.max() < 1e-7  # voltages of 3 V to 1e-15 over 1e-5 of a radian
 
 
-def test_a_yaw_turned_the_wrong_way_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = hall_array._about_z
-    monkeypatch.setattr(hall_array, "_about_z", lambda angle: right(-angle))
-    f = hall_array.planar(hall_array.point_sensors(PLACES), FITTED).function()
-    q = poses(1, six=False)[0]
-    assert np.abs(f(q)[1].full() - formula(q, PLACES)[1]).max() > 10
-
-
 def of_magpylib(q: np.ndarray) -> np.ndarray:
     """Return the voltages (3 k, 2) of CROOKED at poses (k, 6): rotations are SciPy's, sensors and blocks magpylib's."""
     volts, sensors = [], []

@@ -46,15 +46,6 @@ def test_values_and_slopes_lie_within_their_bounds(start: float, width: float, h
             assert low[k] - 1e-9 <= size.min() and size.max() <= high[k] + 1e-9
 
 
-def test_a_slope_without_the_delay_would_be_detected() -> None:
-    """The planted defect."""
-    L = loop(0.0)
-    a, b = np.array([10.0]), np.array([10.1])
-    slope = float(np.diff(L.phase(np.array([10.0, 10.1])))[0] / 0.1)
-    low, high = L.phase_slope(a, b)
-    assert low[0] <= slope <= high[0] and not low[0] + L.delay_s <= slope
-
-
 def test_crossings_are_those_of_a_fine_grid() -> None:
     model = transfer.with_delay_and_hold(control.tf(np.poly(ZEROS).real * -30.0, np.poly(POLES).real), 0.2, 0.7)
     course = delayed_crossings.of_delayed_loop(model, rational.of_system(model.model), None, 20.0)

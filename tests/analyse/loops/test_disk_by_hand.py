@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from synth.analyse.loops import disk, feedback_loop, stability_margins
-from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace, of
 from synth.timing import Discrete
 from tests.analyse.disk_tolerances import DOUBLE, LEVEL
@@ -96,26 +95,6 @@ def test_a_sampled_pole_near_minus_one_or_one_costs_no_accuracy(pole: float) -> 
     gain = -0.5 * (1 - abs(pole)) * np.sign(pole)
     margin = disk.of_loop(([[pole]], [[1.0]], [[gain]], [[0.0]], Discrete(1e-3)), -1.0)
     assert margin.alpha == pytest.approx((1 - abs(pole - gain)) / abs(gain), rel=LEVEL)
-
-
-def test_an_unstable_closed_loop_is_refused_with_its_poles() -> None:
-    with pytest.raises(ModelError, match=r"poles at 0\.5.*stabilise"):
-        disk.of_loop(control.ss(control.tf([0.5], [1, -1])))
-    with pytest.raises(ModelError, match=r"poles at 2\+3i, .*no margin"):
-        disk.of_loop(([[2.0, 3.0], [-3.0, 2.0]], np.eye(2), np.zeros((2, 2)), np.zeros((2, 2))))
-    with pytest.raises(ModelError, match="poles at -1"):
-        disk.loop_at_a_time(([[-1.0]], [[0.0]], [[0.0]], [[0.0]], Discrete(0.1)))
-
-
-def test_invalid_loops_are_refused() -> None:
-    with pytest.raises(SignalError, match="as many outputs as inputs"):
-        disk.of_loop(([[-1.0]], [[1.0, 2.0]], [[1.0]]))
-    with pytest.raises(SignalError, match="the skew is nan"):
-        disk.of_loop(([[-1.0]], [[1.0]], [[1.0]]), np.nan)
-    with pytest.raises(SignalError, match="must be finite"):
-        disk.of_loop(([[np.nan]], [[1.0]], [[1.0]]))
-    with pytest.raises(ModelError, match=r"I \+ D is singular"):
-        disk.of_loop(([[-1.0]], [[1.0]], [[1.0]], [[-1.0]]))
 
 
 def test_a_disk_margin_prints_its_certificate() -> None:

@@ -206,12 +206,3 @@ def test_the_search_goes_on_after_an_equilibrium_at_a_limit_and_out_of_range() -
     near = operating_points.trim(plant, {"gap": 6 / 850}, ["i"])
     closed = equilibrium.SampledLoop(plant, limited_pd(), SENSORS, ACTUATORS)
     assert equilibrium.solve(closed, {"wish": 0.01}, near).point["gap"] == pytest.approx(6 / 850)
-
-
-def test_names_and_ambiguous_openings_are_refused() -> None:
-    with pytest.raises(SignalError, match="sensors: 'height' is not one of gap"):
-        equilibrium.SampledLoop(levitation_plant(), pid_block(), {"q": "height"}, ACTUATORS)
-    with pytest.raises(SignalError, match="actuators: 'torque' is not one of drive"):
-        equilibrium.SampledLoop(levitation_plant(), pid_block(), SENSORS, {"i": "torque"})
-    with pytest.raises(SignalError, match="at 'wish', which is neither a sensor nor an actuator: name one of q, i"):
-        equilibrium.open_loop(at(0.1), "wish")

@@ -1,15 +1,13 @@
 """Wired models against python-control's connections, and the wires that are refused."""
 
-from typing import Any
-
 import control
 import numpy as np
 import pytest
 
 from synth.analyse.loops import interconnect
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import SignalError
 from synth.statespace import StateSpace, of
-from synth.timing import Continuous, Discrete
+from synth.timing import Continuous
 from tests import tolerances
 
 
@@ -45,40 +43,6 @@ def test_models_may_have_no_states_and_come_as_arrays() -> None:
     assert mine.response(0)[0, 0, 0] == 3
 
 
-def test_invalid_wires_are_refused() -> None:
-    def connect(models: list[StateSpace], wires: interconnect.Wires, inputs: tuple[str, ...] = ("d",)) -> None:
-        interconnect.connect(models, inputs, ["y"], wires)
-
-    with pytest.raises(SignalError, match="'q' is not one of y, z, d"):
-        connect([PLANT], {"u": {"q": 1.0}})
-    with pytest.raises(SignalError, match="'y' is listed 2 times among the models' outputs"):
-        connect([PLANT, PLANT.renamed({"u": "w", "d": "v"})], {})
-    with pytest.raises(SignalError, match="'y' is an external input and a model's output"):
-        connect([PLANT], {}, ("y",))
-    with pytest.raises(TimingError):
-        connect([PLANT, of(([[0.5]], [[1.0]], Discrete(1e-3)))], {})
-    short = of(([[-1.0]], [[1.0]], [[1.0]], [[1.0]])).renamed({"y1": "y", "u1": "u"})
-    with pytest.raises(ModelError, match="I - W D is singular"):
-        connect([short], {"u": {"y": 1.0}}, ())
-
-
-@pytest.mark.parametrize("factor", ["x", 1j, np.nan, None])
-def test_a_factor_is_a_finite_number(factor: Any) -> None:
-    with pytest.raises(SignalError, match=r"the factor is .*: give a finite number|`wires` of .*: give a mapping"):
-        interconnect.connect([PLANT], ["r", "d"], ["y"], {"u": {"r": factor}})
-
-
-def test_unconnected_inputs_are_refused() -> None:
-    with pytest.raises(SignalError, match="there are no models to connect"):
-        interconnect.connect([], [], [], {})
-    with pytest.raises(SignalError, match=r"`wires` of .* is \{'u': 'r'\}: give a mapping from a text to a mapping"):
-        interconnect.connect([PLANT], ["r", "d"], ["y"], {"u": "r"})  # type: ignore[dict-item]
-    with pytest.raises(SignalError, match=r"'force' reaches no model: .* in no wire: u, d"):
-        interconnect.connect([PLANT], ["force"], ["y"], {})
-    with pytest.raises(SignalError, match=r"'u' reaches no model: .* in no wire: d"):
-        interconnect.connect([PLANT], ["u", "r"], ["y"], {"u": {"r": 1.0}})
-
-
 def test_a_wire_between_unlike_units_needs_its_factor() -> None:
     units = {"y": "m", "u": "N"}
     spring = StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]], ("x",), ("u",), ("y",), Continuous(), units)
@@ -95,8 +59,3 @@ def test_units_make_no_algebraic_loop() -> None:
         second = of((np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[1 / scale]]))
         wires = {"a": {"r": 1.0, "y1": -1.0}, "u1": {"b": 1.0}}
         assert interconnect.connect([first, second], ["r"], ["y1"], wires).response(0)[0, 0, 0] == 0.5
-
-
-def test_an_integral_of_an_unknown_signal_is_refused() -> None:
-    with pytest.raises(SignalError, match="'nope' is no signal of the model: give some of y1, x1, u1"):
-        interconnect.integrals(([[-1.0]], [[1.0]], [[1.0]]), {"z": "nope"})

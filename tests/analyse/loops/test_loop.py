@@ -12,7 +12,7 @@ from synth.analyse import discretise
 from synth.analyse.loops import loop, stability_margins
 from synth.block import Block, Exprs, Fault, State, Step, build
 from synth.composition import compose
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import ModelError, TimingError
 from synth.signals import Signal
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete
@@ -162,21 +162,6 @@ def test_a_loop_is_opened_with_a_fraction_of_a_sample_too() -> None:
     assert between[0] - between[2] == pytest.approx(np.degrees(crossing * T), rel=0.02)
 
 
-def test_invalid_sampling_is_refused() -> None:
-    with pytest.raises(TimingError, match=r"discrete time of 0.01 s cannot be sampled"):
-        loop.sampled(loop.sampled(plant(), T), T)
-    for delay in (-1e-3, np.nan, np.inf):
-        with pytest.raises(TimingError, match=r"the delay is .* it must be finite and 0 or more"):
-            loop.sampled(plant(), T, delay)
-    for delay in ("late", None, 1j, True, [1.0]):
-        with pytest.raises(TimingError, match=r"the delay is .*: give a number|`delay(_s)?` of .*: give a number"):
-            loop.sampled(plant(), T, delay)
-        with pytest.raises(TimingError, match=r"the delay is .*: give a number|`delay(_s)?` of .*: give a number"):
-            open_loop("q", delay)
-    with pytest.raises(TimingError, match="must be finite and positive"):
-        loop.sampled(plant(), 0.0)
-
-
 def test_a_delay_of_very_many_samples_is_refused_before_it_is_built() -> None:
     for call in (lambda: loop.sampled(plant(), T, 1e6), lambda: open_loop("q", 10**8), lambda: open_loop("q", 501.5)):
         with pytest.raises(TimingError, match=r"samples of 0.01 s for each of 1 inputs: at most 500 .* longer period"):
@@ -245,31 +230,6 @@ def test_jacobians_agree_with_differences_off_rest() -> None:
     assert jacobians.D[0, 0] == pytest.approx(-KP - KD / T - 15 * 0.3**2, rel=tolerances.of("double"))
     np.testing.assert_array_equal(jacobians.A, [[0]])
     np.testing.assert_allclose(jacobians.C, [[KD / T]])
-
-
-def test_unknown_names_are_refused() -> None:
-    with pytest.raises(SignalError, match="no Block drives 'gap': open the loop at a signal that one drives"):
-        loop.cut(blocks(), "gap")
-    block = compose("pd", blocks(), inputs=["encoder", "feed"], outputs=["force"])
-    with pytest.raises(SignalError, match=r"not known \['spin'\], missing \['feed'\]"):
-        loop.linearise_block(block, {"spin": 1.0}, {"encoder": 0.0})
-    for sensors, actuators in (({"encoder": "height"}, ACTUATORS), ({"eye": "position"}, ACTUATORS)):
-        with pytest.raises(SignalError, match=r"'(height|eye)' is not one of"):
-            loop.open_loop(plant(), controller("q"), "q", sensors, actuators)
-    with pytest.raises(SignalError, match=r"from 'torque' to 'f': 'torque' is not one of force, q_out"):
-        loop.open_loop(plant(), controller("q"), "q", SENSORS, {"f": "torque"})
-    with pytest.raises(
-        SignalError, match="at 'rate', which is neither a sensor nor an actuator: name one of encoder, f"
-    ):
-        loop.open_loop(plant(), controller("q"), "rate", SENSORS, ACTUATORS)
-
-
-def test_time_and_direct_paths_are_checked() -> None:
-    with pytest.raises(TimingError, match="continuous"):
-        loop.open_loop(plant(), plant(), "f", {}, {})
-    with pytest.raises(SignalError, match="feedthrough to 'position': give the loop at least one sample"):
-        loop.open_loop(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=0)
-    loop.open_loop(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=1)
 
 
 def test_a_flag_that_is_cut_stays_the_flag_of_its_fault() -> None:

@@ -1,10 +1,8 @@
 """Bounds of a stable model's states: attained by the worst input, and not exceeded by any."""
 
 import numpy as np
-import pytest
 
 from synth.analyse.loops import peak_bounds
-from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete
 
@@ -49,17 +47,3 @@ def test_a_state_that_nothing_drives_stays_at_zero() -> None:
     still[2, 2] = 0.5
     bounds = peak_bounds.state_bounds(model(still), [0.0, 1.0])
     assert bounds[2] == 0 and bounds[1] > 2
-
-
-@pytest.mark.parametrize("grown", [1.0, 1 - 1e-8, 1.01])
-def test_a_model_without_a_bound_is_refused(grown: float) -> None:
-    with pytest.raises(ModelError, match="have no bound: a mode"):
-        peak_bounds.state_bounds(model(np.diag([0.5, 0.5, grown])), LARGEST)
-
-
-def test_bounds_of_the_inputs_that_do_not_fit_are_refused() -> None:
-    for inputs in ([1.0], [1.0, -1.0], [1.0, np.inf]):
-        with pytest.raises(SignalError, match="give 2, one for each of u, v"):
-            peak_bounds.state_bounds(model(A), inputs)
-    with pytest.raises(TimingError):
-        peak_bounds.state_bounds(model(A, Continuous()), LARGEST)

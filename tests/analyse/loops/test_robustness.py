@@ -113,21 +113,6 @@ def test_tolerances_are_taken_in_all_corners() -> None:
     assert tolerances.corners(plant, []) == []
 
 
-def test_unknown_names_are_refused(nominal: list[robustness.OpenLoop]) -> None:
-    with pytest.raises(SignalError, match=r"parameter 'g' is 9.81 .* with the tolerance 0"):
-        tolerances.corners(DESIGN.PLANT, ["g"])
-    with pytest.raises(SignalError, match="2\\^11 corners"):
-        tolerances.corners(DESIGN.PLANT, ["K"] * 11)
-    with pytest.raises(SignalError, match="no operating point 'mid': choose one of low, side"):
-        robustness.equilibrium_at(loops(), "mid")
-    with pytest.raises(SignalError, match="no operating points"):
-        loops({})
-    with pytest.raises(SignalError, match="'phase' is not a known margin"):
-        robustness.checks(nominal, {"phase": 1.0})
-    with pytest.raises(SignalError, match="no loop to check"):
-        robustness.checks([], {"phase_margin": 1.0})
-
-
 def test_the_margins_are_those_of_the_opened_loop(nominal: list[robustness.OpenLoop]) -> None:
     for o in nominal[:2]:
         assert o.margin("delay_margin") == stability_margins.of_loop(o.L).delay_margin
@@ -151,19 +136,6 @@ def test_loops_open_at_coordinates_instead_of_sensors() -> None:
     np.testing.assert_allclose(new, old, rtol=1e-9)
     alone = equilibrium.open_loop(turned, "mean").response(z)
     assert np.abs(alone / equilibrium.open_loop(at, "z").response(z) - 1).max() > 0.1
-
-
-@pytest.mark.parametrize(
-    ("weights", "message"),
-    [
-        ({"a": {"z": 1.0}, "b": {"z": 2.0}}, "the coordinates a, b are linearly dependent"),
-        ({"x": {"z": 1.0}}, "at 'x', which is a sensor and a coordinate"),
-        ({"a": {"w": 1.0}}, "the wire from 'w' to 'a': 'w' is not one of"),
-    ],
-)
-def test_coordinates_that_do_not_fit_are_refused(weights: dict[str, dict[str, float]], message: str) -> None:
-    with pytest.raises(SignalError, match=message):
-        robustness.open_loops(coordinates(**weights), list(weights))
 
 
 def test_a_loop_does_not_open_at_a_sensor_and_at_its_coordinate() -> None:

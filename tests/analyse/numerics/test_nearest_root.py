@@ -49,14 +49,6 @@ def test_the_nearest_of_many_roots_is_taken(n: int, d: int) -> None:
         np.testing.assert_allclose(root, expected, rtol=0, atol=1e-6 * np.linalg.norm(expected) + 1e-9)
 
 
-def test_a_single_start_finds_a_farther_root(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: a single start."""
-    for name in ("BOX_STARTS", "CLOSE_STARTS", "BALL_STARTS"):
-        monkeypatch.setattr(nearest_root, name, 0)
-    with pytest.raises((AssertionError, ValueError)):
-        test_the_nearest_of_many_roots_is_taken(2, 3)
-
-
 def ellipse(centre: Array, axes: Array) -> nearest_root.System:
     """Return f = |(z - centre) / axes|^2 - 1: a continuum of roots."""
     n = len(centre)

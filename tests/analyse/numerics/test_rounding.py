@@ -81,15 +81,6 @@ def test_the_error_of_a_polynomial_stays_within_its_bound(seed: int) -> None:
     assert error.max() > 1e-3 * bound.max()  # and the bound is not far too large
 
 
-def test_a_bound_without_the_terms_that_cancel_is_broken() -> None:
-    """The planted defect: a tolerance relative to the last value only."""
-    expr = ZEROS["binomial"]
-    columns = ca.horzcat(expr, rounding.error_bound(expr), ca.fabs(expr))
-    value, error, naive = BOX.evaluate(columns, box.scatter(BOX.signals, 16, 1))[0]
-    assert (np.abs(value) <= rounding.LIMIT * error).all()
-    assert not (np.abs(value) <= rounding.LIMIT * naive).all()
-
-
 def test_a_value_that_is_not_finite_is_refused_with_its_place() -> None:
     with pytest.raises(ModelError, match=r"not finite at a = -0\.\d+ m, b = 0\.\d+ s: shrink the ranges"):
         rounding.vanish(ca.sqrt(A), BOX)

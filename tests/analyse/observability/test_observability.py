@@ -1,7 +1,6 @@
 """Information, its worst case and zeros of determinants, on measurements with known results."""
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import casadi as ca
@@ -87,27 +86,6 @@ def test_the_largest_deviation_is_attained_and_proved() -> None:
     assert worst.attained[0] <= 1.0 <= worst.bound[0] <= 1.0011 * worst.attained[0]
 
 
-def test_a_bound_without_one_change_is_detected() -> None:
-    q = np.linspace(0.0, 6.0, 500)[None]
-    half = np.array([[0.05]])
-    for changes, exceeded in ((slope_change, False), (lambda q, h: 0 * q, True)):
-        _, bound = worst_deviation.bound_cells(slope_deviation, changes, q, half)
-        assert (slope_deviation(q + half) > bound).any() == exceeded
-
-
-def distant(pole: float, q: np.ndarray) -> np.ndarray:
-    with np.errstate(divide="ignore"):
-        return 1 / np.abs(q - pole)
-
-
-def test_an_unbounded_deviation_is_refused_with_its_place() -> None:
-    for pole in (1.001, 1.0):  # between the middles of cells, and on one
-        with pytest.raises(ModelError, match=r"unknown 0 exceeds .* at q = .* rank seems to be lost: add a sensor"):
-            worst_deviation.search(partial(distant, pole), lambda q, h: h + 0 * q, [0.0], [2.0], [3], 1e-3, 2000)
-    with pytest.raises(ModelError, match="the lower ones first"):
-        worst_deviation.search(slope_deviation, slope_change, [1.0], [0.0], [4])
-
-
 def sines(shift: float) -> isolated_zeros.Equations:
     """Return sin(p) = shift, cos(2 q) + sin(p) = shift: zeros at which cos(2 q) = 0, eight of them."""
 
@@ -168,31 +146,3 @@ def test_the_bias_keeps_its_digits_where_the_condition_is_large(condition: float
         exact = np.array([float(v) for v in mpmath.lu_solve(M.T * M, M.T * e)])
     bias = information.bias(H[None], extra[None], np.ones(3))[0]
     assert np.linalg.norm(bias - exact) < 100 * np.finfo(float).eps * condition * np.linalg.norm(exact)
-
-
-def test_a_place_without_a_derivative_is_refused() -> None:
-    with pytest.raises(ModelError, match=r"'ranges' has no finite derivative at \[0\. 0\.\]: leave this place out"):
-        information.jacobians(RANGES, [[1.0, 1.0], [0.0, 0.0]])
-
-
-@pytest.mark.parametrize(
-    ("cells", "tolerance", "message"),
-    [
-        ([5000] * 3, 1e-3, "125000000000 cells to begin with are more than 30000000"),
-        ([2] * 3, np.nan, "the tolerance is nan: give a finite number above 0"),
-        ([2] * 3, 0.0, r"the tolerance is 0\.0"),
-    ],
-)
-def test_a_search_that_cannot_end_is_refused_at_once(cells: list[int], tolerance: float, message: str) -> None:
-    with pytest.raises(ModelError, match=message):
-        worst_deviation.search(
-            lambda q: 1 / (1 + q**2), lambda q, h: 3 * h + 0 * q, [0.0] * 3, [1.0] * 3, cells, tolerance
-        )
-
-
-def test_a_change_or_a_deviation_below_zero_is_refused() -> None:
-    for deviation, change in ((1.0, -5.0), (-1.0, 0.1)):
-        with pytest.raises(ModelError, match="both are bounds of sizes"):
-            worst_deviation.search(
-                lambda q, v=deviation: np.full_like(q, v), lambda q, h, v=change: np.full_like(q, v), [0.0], [1.0], [4]
-            )

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from synth.analyse import discretise
 from synth.analyse.structure import gramian
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
@@ -165,26 +165,12 @@ def test_over_a_horizon_agrees_with_quadrature_and_with_sums() -> None:
         np.testing.assert_allclose(grams.Wc, Wc, rtol=tolerances.of("settled"))
 
 
-def test_invalid_horizons_are_refused() -> None:
-    with pytest.raises(TimingError, match=r"`horizon_s` of .* is 'x': give a number of seconds"):
-        gramian.over_horizon(([[0.0]], [[1.0]]), "x")  # type: ignore[arg-type]
-    for horizon in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(TimingError, match=r"the horizon is .*: give a finite positive time"):
-            gramian.over_horizon(([[0.0]], [[1.0]]), horizon)
-    with pytest.raises(TimingError, match="shorter than a sample"):
-        gramian.over_horizon(([[0.0]], [[1.0]], Discrete(1.0)), 0.2)
-
-
 def test_the_residual_catches_a_wrong_integral(monkeypatch: pytest.MonkeyPatch) -> None:
     """Planted: the Lyapunov equation is solved for the transposed matrix."""
     right = gramian._lyapunov
     monkeypatch.setattr(gramian, "_lyapunov", lambda F, Q, continuous: right(F.T, Q, continuous))
     system = ([[-1.0, 3.0], [0.0, -2.0]], [[1.0], [0.0]], [[1.0, 2.0]])
     assert gramian.gramians(system).residual > 1e-3
-
-
-def test_a_python_control_system_is_accepted() -> None:
-    assert gramian.gramians(control.ss(-1, 1, 1, 0)).hankel == pytest.approx([0.5])
 
 
 def butterworth(direct: bool) -> control.StateSpace:

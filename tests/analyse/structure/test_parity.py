@@ -6,7 +6,6 @@ import pytest
 
 from models import maglev_stage
 from synth.analyse.structure import parity
-from synth.errors import ModelError
 from synth.plant import Plant, build
 from synth.signals import Signal
 
@@ -57,27 +56,3 @@ def test_three_sensors_of_one_position_have_two_relations_that_are_independent()
     rows = np.array([[r.weights.get(n, 0.0) for n in "abc"] for r in relations])
     assert rows.shape == (2, 3) and np.linalg.matrix_rank(rows) == 2
     np.testing.assert_allclose(rows.sum(axis=1), 0.0, atol=1e-12)
-
-
-def test_mixed_units_and_unknown_outputs_are_refused() -> None:
-    sensors = {"a": "a", "b": "b"}
-    with pytest.raises(ModelError, match="mixes"):
-        parity.relations(bent(0.0, "rad"), sensors, tolerances(sensors))
-    with pytest.raises(ModelError, match="give an output"):
-        parity.relations(bent(0.0), {"a": "nothing"}, tolerances("a"))
-
-
-def test_outputs_that_no_relation_of_the_states_describes_are_refused() -> None:
-    q, f = Signal("q", "m", -1.0, 1.0), Signal("f", "N", -1.0, 1.0)
-    outputs = [Signal(name, "m", -2.0, 2.0) for name in ("a", "b", "c")]
-
-    def physics(x, u, p):  # type: ignore[no-untyped-def]
-        return {"q": u["f"]}, {"a": x["q"], "b": x["q"] + 0.5 * u["f"], "c": ca.SX(1)}
-
-    plant = build("driven", [q], [f], outputs, [], physics)
-    with pytest.raises(ModelError, match=r"the output 'b' depends on the input 'f', .*: leave its sensor out"):
-        parity.relations(plant, {"a": "a", "b": "b"}, tolerances("ab"))
-    with pytest.raises(ModelError, match="the output 'c' depends on no state: leave its sensor out"):
-        parity.relations(plant, {"a": "a", "c": "c"}, tolerances("ac"))
-    with pytest.raises(ModelError, match="no sensors are given"):
-        parity.relations(plant, {}, {})

@@ -184,8 +184,3 @@ def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
     for A, B in ((-1e308, 1.0), (-1.0, 1e308), (-1.0, 1e-310)):
         with pytest.raises(SignalError, match=r"an entry of the model has the size|reach 1e\+308"):
             realisation.minimal(([[A]], [[B]], [[1.0]]))
-
-
-def test_a_python_control_system_is_accepted() -> None:
-    minimal = realisation.minimal(control.ss(np.diag([-1.0, -2.0]), [[1.0], [0.0]], [[1.0, 1.0]], 0))
-    assert [m.value for m in minimal.uncontrollable] == [-2]

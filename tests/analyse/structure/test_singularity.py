@@ -66,13 +66,6 @@ def test_no_sample_is_worse() -> None:
     assert 0.8 * worst < sampled <= worst * (1 + 1e-9)
 
 
-def test_a_search_of_the_vertices_alone_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(singularity, "GRID", 2)
-    monkeypatch.setattr(singularity, "_refine", lambda matrix, start: (0.0, start))
-    worst, sampled = bumpy()
-    assert sampled > worst * 1.1
-
-
 def test_the_condition_does_not_depend_on_units() -> None:
     matrix = matrix_of_determinant(X[0] + 2.0, X[1])
     here = singularity.worst(of(matrix)).condition

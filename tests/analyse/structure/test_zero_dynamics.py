@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 from synth.analyse import operating_points
-from synth.analyse.linearisation import linearise
 from synth.analyse.structure import relative_degree, zero_dynamics
 from synth.analyse.structure.zero_dynamics import ZeroDynamics
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import ModelError
 from synth.plant import Plant
 from synth.statespace import StateSpace
-from synth.timing import Continuous, Discrete
+from synth.timing import Continuous
 from tests import textbook_plants, tolerances
 
 ROOT = tolerances.of("multiple_root")
@@ -92,13 +91,6 @@ def test_random_models_have_slicots_zeros(n: int, p: int, degrees: tuple[int, ..
     assert dynamics.verdict == ("minimum phase" if expected.real.max() < 0 else "not minimum phase")
 
 
-def test_arrays_and_python_control_systems_are_accepted() -> None:
-    model = random_model(5, 1, (3,), 7)
-    here = zero_dynamics.of_linear(model, (3,))
-    for system in (model.to_control(), (model.A, model.B, model.C, model.D)):
-        np.testing.assert_allclose(values(zero_dynamics.of_linear(system, (3,))), values(here), rtol=1e-12)
-
-
 def test_direct_feedthrough_counts_as_degree_0() -> None:
     """y = x + 2 u, x' = -x + u: held at 0, u = -x / 2 and x' = -1.5 x."""
     dynamics = zero_dynamics.of_linear(([[-1.0]], [[1.0]], [[1.0]], [[2.0]]), (0,))
@@ -107,25 +99,6 @@ def test_direct_feedthrough_counts_as_degree_0() -> None:
         and dynamics.zeros[0] == pytest.approx(-1.5)
         and dynamics.is_consistent
     )
-
-
-def test_a_sign_error_in_the_restriction_does_not_pass_the_pencil(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = zero_dynamics._highest_derivatives
-    monkeypatch.setattr(
-        zero_dynamics, "_highest_derivatives", lambda model, r: (-right(model, r)[0], right(model, r)[1])
-    )
-    dynamics = zero_dynamics.of_linear(random_model(8, 2, (2, 3), 0), (2, 3))
-    assert not dynamics.is_consistent and "DISAGREE" in repr(dynamics)
-
-
-@pytest.mark.parametrize("degrees", [(1, 3), (3, 3), (1, 1), (2, 2)])
-def test_wrong_degrees_do_not_pass(degrees: tuple[int, int]) -> None:
-    try:
-        dynamics = zero_dynamics.of_linear(random_model(8, 2, (2, 3), 1), degrees)
-    except ModelError as error:
-        assert "degree" in str(error)
-    else:
-        assert not dynamics.is_consistent
 
 
 @pytest.mark.parametrize(("zeros", "C", "degree"), [([2], [-2, 1, 0], 2), ([-1, 1], [-1, 0, 1], 1)])
@@ -145,38 +118,6 @@ def test_a_slow_zero_beside_a_fast_one_has_its_own_rounding(slow: float, verdict
     dynamics = zero_dynamics.of_linear((s - slow) * (s + 2e7) / ((s + 1) * (s + 2) * (s + 3)), [1])
     np.testing.assert_allclose(values(dynamics), [-2e7, slow], rtol=1e-6, atol=1e-9)
     assert dynamics.verdict == verdict
-
-
-def test_sampled_and_empty_models_are_refused() -> None:
-    with pytest.raises(TimingError, match=r"discrete time of 0\.1 s: give the continuous one"):
-        zero_dynamics.of_linear(([[0.5]], [[1.0]], [[1.0]], [[0.0]], Discrete(0.1)), [1])
-    for n, m in ((0, 1), (2, 0)):
-        with pytest.raises(SignalError, match=f"has {n} states and {m} inputs: give one with at least one of each"):
-            zero_dynamics.of_linear((np.zeros((n, n)), np.ones((n, m)), np.ones((m, n)), np.eye(m)), [0] * m)
-
-
-def test_the_beam_has_no_degree_at_its_equilibrium() -> None:
-    plant = textbook_plants.ball_and_beam(-1.0)
-    with pytest.raises(
-        ModelError, match=r"degree of \(y\) is not defined at the point: .* condition inf .*another point"
-    ):
-        of_plant(plant)
-
-
-def test_points_that_do_not_fit_are_refused() -> None:
-    plant = textbook_plants.aircraft(0.1)
-    degree = relative_degree.of_plant(plant)
-    point = operating_points.trim(plant, {}, ["T"])
-    with pytest.raises(ModelError, match="found for other parameters"):
-        zero_dynamics.at_point(plant.with_parameters(eps=0.2), degree, point)
-    moving = operating_points.OperatingPoint(point.x, [1.2, 0.0], point.p, 0.2, point.states, point.inputs)
-    with pytest.raises(ModelError, match=r"not at rest at the point: 'vz' changes by 0\.2 per s: trim"):
-        zero_dynamics.at_point(plant, degree, moving)
-    held = relative_degree.of_plant(plant, ["px"], {"T": 1.1})
-    with pytest.raises(ModelError, match=r"'T' is held at 1\.1, but 1 at the point"):
-        zero_dynamics.at_point(plant, held, point)
-    with pytest.raises(SignalError, match="1 degrees, 2 outputs and 2 inputs"):
-        zero_dynamics.of_linear(linearise(plant, point), (2,))
 
 
 def test_states_are_ranked_in_half_ranges() -> None:

@@ -9,7 +9,6 @@ from synth.block import Block
 from synth.blocks.estimate import advance
 from synth.blocks.guard import safety
 from synth.composition import compose
-from synth.errors import SignalError
 from synth.execute import build
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -75,9 +74,3 @@ def test_a_refused_position_is_held_then_lost_and_found_again() -> None:
     assert (outputs["x_acting"][6:12] == 0.02).all() and (outputs["x_acting"][12:] == 0.05).all()
     x[11] = 0.021  # found again in the sample before: now 0.05 is a jump
     assert run(x)["x_acting"][12] == pytest.approx(0.021 + (1 + A) * STRIDE)
-
-
-@pytest.mark.parametrize(("samples", "speed", "bad"), [(-0.5, 1.0, 5), (1.5, 0.0, 5), (1.5, 1.0, 0)])
-def test_what_makes_no_sense_is_refused(samples: float, speed: float, bad: int) -> None:
-    with pytest.raises(SignalError, match="give an advance of 0 or more"):
-        advance.block(TIME, [advance.Position(X, speed)], samples, bad)

@@ -13,7 +13,6 @@ from synth.blocks.estimate.dead_reckoning import Axis
 from synth.blocks.faults import braking
 from synth.blocks.guard import safety
 from synth.composition import compose
-from synth.errors import SignalError
 from synth.execute.build import compile_block
 from synth.signals import Signal
 from synth.statespace import Array
@@ -141,19 +140,6 @@ def test_samples_that_are_missing_now_and_then_leave_the_rate_of_an_axis_with_a_
     assert largest_rate_error(AXIS, 10) > 1.5 * whole
 
 
-@pytest.mark.parametrize(
-    ("demands", "text"),
-    [
-        ({}, "no demand of axis 'q'"),
-        ({"q": (LAW, PASSED), "p": (LAW, PASSED)}, "a demand of 'p', which is no axis"),
-        ({"q": (LAW, replace(PASSED, unit="N"))}, "passes 'law_f' in A on in N: give one unit"),
-    ],
-)
-def test_demands_that_do_not_fit_the_axes_are_refused(demands: dict[str, tuple[Signal, Signal]], text: str) -> None:
-    with pytest.raises(SignalError, match=text):
-        braking.block("braking", TIME, [AXIS], demands, 0.5)
-
-
 def bridge(repeated: bool) -> float:
     """Return the largest jump of q over 20 bad samples under an unknown acceleration.
 
@@ -175,16 +161,6 @@ def test_the_last_innovation_removes_the_offset_of_an_unknown_acceleration() -> 
     d, offset = 2.0, 2.0 * T**2 / (1 - R) ** 2
     assert bridge(repeated=False) > offset
     assert bridge(repeated=True) < d * (20 * T) ** 2 + d * 20 * T**2 / (1 - R)
-
-
-@pytest.mark.parametrize("defect", ["position_gain", "rate_gain", "half_step"])
-def test_a_planted_constant_is_detected(defect: str) -> None:
-    block = dead_reckoning.block("reckoning", TIME, [AXIS])
-    off = [replace(c, value=1.1 * c.value) if c.name == f"q_{defect}" else c for c in block.constants]
-    f = np.sin(0.05 * np.arange(400))
-    q = motion(f, v=0.3)
-    sound, wrong = (run(b, q, f)[0] for b in (block, replace(block, constants=tuple(off))))
-    assert np.abs(sound - wrong).max() > 1e-6
 
 
 def loop(share: float = 0.5, change: float = 1.0) -> Block:
@@ -220,36 +196,10 @@ def test_a_moving_axis_stops_without_measurements(v: float) -> None:
     assert np.abs(rates[stopped:]).max() < 1e-3 * abs(v)
 
 
-def test_a_planted_gain_does_not_stop_it() -> None:
-    assert np.abs(brake(loop(change=-1.0), 0.05)[-1]) > 0.05
-    assert np.abs(brake(loop(change=1e-2), 0.05)[-1]) > 5e-3
-
-
 def test_the_law_passes_unchanged_while_nothing_brakes() -> None:
     step = loop().function()
     y = np.asarray(step(loop().initial, [0.01, 0.3, 1.0, 1.0, 17.3, 0.0])[1]).ravel()
     assert y[0] == 17.3
-
-
-def test_what_cannot_be_is_refused() -> None:
-    wrong = (("pole", 1.0, "between 0 and 1"), ("acceleration", 0.0, "by 0"), ("fastest", 0.0, "positive"))
-    for field, value, text in wrong:
-        with pytest.raises(SignalError, match=text):
-            dead_reckoning.block("reckoning", TIME, [replace(AXIS, **{field: value})])
-    for bias, text in (
-        (dead_reckoning.RateBias(1.0, 3), "between 0 and 1"),
-        (dead_reckoning.RateBias(0.9, -1), "-1 samples"),
-    ):
-        with pytest.raises(SignalError, match=text):
-            dead_reckoning.block("reckoning", TIME, [replace(AXIS, bias=bias)])
-    with pytest.raises(SignalError, match="at least one"):
-        dead_reckoning.block("reckoning", TIME, [])
-    with pytest.raises(SignalError, match="one unit"):
-        dead_reckoning.block("reckoning", TIME, [replace(AXIS, predicted=replace(PREDICTED, unit="rad"))])
-    with pytest.raises(SignalError, match="at most 1"):
-        braking.block("braking", TIME, [AXIS], {"q": (LAW, PASSED)}, 1.5)
-    with pytest.raises(SignalError, match="no demand of axis 'q'"):
-        braking.block("braking", TIME, [AXIS], {}, 0.5)
 
 
 READING = safety.GuardedInput(Signal("reading", "m", -1.0, 1.0), 0.0, True)
@@ -282,19 +232,6 @@ def test_a_good_sample_does_not_end_the_braking() -> None:
 def test_fewer_bad_samples_are_forgotten() -> None:
     braking_flags, latched = words(([True] * 2 + [False]) * 4, 3, 4)
     assert not any(braking_flags) and not any(latched)
-
-
-def test_a_guard_without_measurements_does_not_brake() -> None:
-    with pytest.raises(SignalError, match="0 measurements brakes for 4"):
-        safety.guard(TIME, [replace(READING, measurement=False)], 3, braking=4)
-    with pytest.raises(SignalError, match="brakes for -1"):
-        safety.guard(TIME, [READING], 3, braking=-1)
-
-
-def test_a_redundant_guard_does_not_brake() -> None:
-    """Its law lands the machine before the latch, so both would decide on the same samples."""
-    with pytest.raises(SignalError, match="redundant and brakes for 4 samples: give 0"):
-        safety.guard(TIME, [READING], 3, redundant=True, braking=4)
 
 
 def test_a_prediction_whose_range_excludes_0_starts_at_its_nearest_end() -> None:

@@ -10,7 +10,6 @@ import pytest
 
 from synth.blocks.estimate import glsdc_jacobian, glsdc_linearisation
 from synth.blocks.estimate.glsdc_model import Phase, Unknown
-from synth.errors import ModelError
 from synth.signals import Signal
 from synth.statespace import Array
 
@@ -60,15 +59,3 @@ def linearised(form: str, by: tuple[float, float], step: float = 0.2) -> tuple[A
 def test_residuals_and_jacobian_are_those_without_phasors(form: str, by: tuple[float, float]) -> None:
     for value, reference in zip(linearised(form, by), linearised("direct", by), strict=True):
         np.testing.assert_allclose(value, reference, rtol=1e-12, atol=1e-12)
-
-
-def test_a_change_beyond_the_declared_step_is_limited() -> None:
-    """The planted defect: a step that is too small limits the chord of the angle."""
-    residuals, reference = linearised("affine", (0.2, 0.0), step=0.05)[0], linearised("direct", (0.2, 0.0))[0]
-    assert np.abs(residuals - reference).max() > 1e-3
-
-
-@pytest.mark.parametrize("changed", [{"periodic": True}, {"signal": Signal("turn", "rad", -1.3, 1.3)}])
-def test_an_angle_with_a_period_or_a_large_range_is_refused(changed: dict[str, Any]) -> None:
-    with pytest.raises(ModelError, match="'turn' is an angle"):
-        replace(TURN, **changed)

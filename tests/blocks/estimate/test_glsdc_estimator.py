@@ -14,10 +14,10 @@ from benchmarks.beacons import Problem
 from synth.block import Block, Constant
 from synth.blocks.estimate import glsdc, glsdc_estimator, glsdc_model
 from synth.blocks.estimate.glsdc_integrity import Integrity
-from synth.blocks.estimate.glsdc_model import Implicit, Phase, Unknown
+from synth.blocks.estimate.glsdc_model import Unknown
 from synth.blocks.estimate.glsdc_solution import Iteration
 from synth.emit import write
-from synth.errors import EmitError, ModelError, SignalError
+from synth.errors import EmitError
 from synth.execute.build import compile_block
 from synth.execute.host import Batch, Controller, Records
 from synth.signals import Signal
@@ -76,25 +76,6 @@ def disagreement(of: Problem, controller: Controller, samples: int = 2000) -> fl
 @pytest.mark.parametrize("of", PROBLEMS, ids=TITLES)
 def test_the_c_computes_the_least_squares_solution(of: Problem, scalar: type[np.floating]) -> None:
     assert disagreement(of, compiled(of, scalar)) < ROUNDING[scalar]
-
-
-@pytest.mark.parametrize(
-    ("text", "wrong"), [("7.0", "7.001"), ("R", "half of R"), ("iterations", "one")], ids=["beacon", "R", "corrections"]
-)
-def test_a_planted_defect_differs_from_the_reference(text: str, wrong: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    of, changed = beacons.ranges(3), {}
-    if text == "7.0":
-        places = beacons.CORNERS.copy()
-        places[0, 0] += float(wrong) - 7.0
-        monkeypatch.setattr(beacons, "CORNERS", places)
-    if text == "R":
-        monkeypatch.setattr(beacons, "MODEL_ERROR", 0.0)
-    changed = {"iteration": Iteration(corrections=1, convergence=1.0)} if text == "iterations" else {}
-    block = beacons.block(of, **changed)
-    monkeypatch.undo()
-    controller = compile_block(block, np.float64)
-    with pytest.raises(AssertionError):
-        assert disagreement(of, controller) < ROUNDING[np.float32]
 
 
 def consistency(of: Problem, controller: Controller, noise: float = 1.0) -> list[float]:
@@ -334,84 +315,3 @@ def test_random_states_and_channels_stay_in_the_declared_ranges() -> None:
     out = step(of, controller, q, rng.uniform(0, 30, (5000, 5))).outputs
     for s in beacons.block(of).outputs:
         assert (out[s.name] >= np.float32(s.low)).all() and (out[s.name] <= np.float32(s.high)).all()
-
-
-def every(value: Any) -> Any:
-    """Return a measurement of three ranges that all have one value."""
-    return lambda q, k: dict.fromkeys(("range_a", "range_b", "range_c"), value)
-
-
-BEARINGS = [Signal(f"range_{n}", "rad", -4.0, 4.0) for n in "abc"]
-UNKNOWN, EXCLUDING = beacons.UNKNOWNS["x"], Integrity({"x": 1.0}, exclude=True)
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: replace(UNKNOWN, largest_deviation=0), "largest deviation of 'x' is 0"),
-        (lambda: replace(UNKNOWN, step=6.0), "step of 'x' is 6"),
-        (lambda: replace(UNKNOWN, prior=-1.0), "prior of 'x' has the deviation"),
-        (lambda: replace(UNKNOWN, start=7.0), "start of 'x' is 7"),
-        (lambda: replace(UNKNOWN, prior_value=7.0), "prior value of 'x' is 7"),
-        (lambda: replace(UNKNOWN, velocity_gain=2.0), "velocity gain of 'x' is 2"),
-        (lambda: Phase("a", lambda q, k: q["x"], largest=4.0, change=2.0), "change of 'a' is 2"),
-        (lambda: Phase("a", lambda q, k: q["x"], largest=0.0, change=0.1), "largest value of 'a' is 0"),
-        (lambda: Iteration(corrections=0), "corrections is 0"),
-        (lambda: glsdc_model.covariance([1.0, 0.0], [0.0, 0.0]), "above 0 in each channel"),
-        (lambda: glsdc_model.covariance([1.0, 1.0], [0.0]), r"\(2,\).*\(1,\)"),
-        (lambda: beacons.block(beacons.ranges(1)), "give as many"),
-        (lambda: beacons.block(beacons.ranges(3), changed={"x": replace(UNKNOWN, largest_deviation=40.0)}), "resolve"),
-    ],
-)
-def test_a_value_out_of_range_is_refused(make: Any, message: str) -> None:
-    with pytest.raises(ModelError, match=message):
-        make()
-
-
-@pytest.mark.parametrize(
-    ("changed", "error", "message"),
-    [
-        ({"R": np.eye(2)}, ModelError, "R has shape"),
-        ({"R": [[1.0, 2.0, 0], [2.0, 1.0, 0], [0, 0, 1]]}, ModelError, "not positive definite"),
-        ({"angles": ["heading"]}, SignalError, "angle 'heading' is no channel"),
-        ({"h": lambda q, k: {"range_a": q["x"]}}, SignalError, "missing"),
-        ({"h": lambda q, k: dict.fromkeys(("range_a", "range_b", "range_c"), q["z"])}, SignalError, "no 'z'"),
-        ({"unknowns": [UNKNOWN, UNKNOWN]}, SignalError, "declared 2 times"),
-        ({"integrity": Integrity({"z": 1.0})}, SignalError, "limits are of z"),
-        ({"h": lambda q, k: None}, SignalError, "h returns None"),
-        ({"h": every(ca.vertcat(1.0, 2.0))}, SignalError, r"h gives 'range_a' the value .* shape \(2, 1\)"),
-        ({"h": every(ca.MX.sym("w"))}, SignalError, "h gives 'range_a' the value a MX"),
-        ({"h": every("x")}, SignalError, "h gives 'range_a' the value 'x'"),
-        ({"h": every(ca.SX.sym("w"))}, SignalError, "h uses 'w'"),
-        ({"h": every(1.0)}, ModelError, "no channel and no prior depends on 'x'"),
-        ({"h": Implicit(lambda q, y, k: {n: 5 * (v - q["x"]) for n, v in y.items()})}, ModelError, "by 5 m"),
-        (
-            {"phases": [Phase("a", lambda q, k: 9 * q["x"], 1.0, 0.1)]},
-            ModelError,
-            "'a' is .* largest value is 1",
-        ),
-        ({"phases": [Phase("a", lambda q, k: "x", 1.0, 0.1)]}, SignalError, "a phase gives 'a' the value 'x'"),
-        ({"channels": BEARINGS, "angles": ["range_a"]}, SignalError, "give one turn, 6.28318531 rad wide"),
-        ({"h": Implicit(lambda q, y, k: {"range_a": y["range_a"]})}, SignalError, "missing"),
-        (
-            {
-                "h": Implicit(
-                    lambda q, y, k: {
-                        "range_a": 0.6 * y["range_a"] - 0.8 * y["range_b"] - q["x"],
-                        "range_b": 0.8 * y["range_a"] + 0.6 * y["range_b"] - q["y"],
-                        "range_c": y["range_c"] - q["x"],
-                    }
-                ),
-                "integrity": EXCLUDING,
-            },
-            ModelError,
-            "channels of several groups",
-        ),
-    ],
-)
-def test_a_declaration_that_does_not_fit_is_refused(changed: Any, error: type[Exception], message: str) -> None:
-    of = beacons.ranges(3)
-    arguments = {"h": beacons.measurement(of), "R": np.eye(3), "channels": of.channels}
-    arguments |= {"unknowns": [beacons.UNKNOWNS[n] for n in of.unknowns]} | changed
-    with pytest.raises(error, match=message):
-        glsdc_estimator.estimator("estimator", beacons.TIME, **arguments)

@@ -66,10 +66,6 @@ def test_the_rank_update_is_the_solution_without_the_group(number: int, correcti
         np.testing.assert_allclose(value, reference, rtol=1e-9, atol=1e-12)
 
 
-def test_another_gain_of_the_update_shows() -> None:
-    assert not np.allclose(solution(2, 2, 1e-3)[1], reference_solution(2)[1], rtol=1e-6)
-
-
 @pytest.mark.parametrize("count", range(1, 9))
 def test_a_value_is_chosen_by_its_number(count: int) -> None:
     n, values = ca.SX.sym("n"), [ca.SX(float(10 + k)) for k in range(1, count + 1)]

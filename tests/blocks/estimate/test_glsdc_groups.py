@@ -9,7 +9,6 @@ import pytest
 from benchmarks import beacons
 from synth.blocks.estimate import glsdc_integrity
 from synth.blocks.estimate.glsdc_integrity import Integrity
-from synth.errors import ModelError, SignalError
 from synth.execute.build import compile_block
 from synth.execute.host import Controller
 from synth.statespace import Array
@@ -95,20 +94,3 @@ def test_channels_that_are_not_listed_are_groups_after_the_others() -> None:
     names = [s.name for s in OF.channels]
     assert Integrity(LIMITS, groups=[["range_c", "range_b"]]).index_groups(names) == ((2, 1), (0,), (3,), (4,), (5,))
     assert Integrity(LIMITS).index_groups(names) == tuple((i,) for i in range(6))
-
-
-@pytest.mark.parametrize("groups", [[["range_a", "range_a"]], [["range_a"], ["range_a"]], [["range_z"]], [[]]])
-def test_groups_that_are_not_of_the_channels_are_refused(groups: Any) -> None:
-    with pytest.raises(SignalError, match="in one group at most"):
-        beacons.block(OF, Integrity(LIMITS, groups=groups))
-
-
-def test_a_group_that_leaves_no_redundancy_is_refused() -> None:
-    groups = [[f"range_{k}" for k in "abcd"]]
-    with pytest.raises(ModelError, match="exclusion of 4 together 5 more"):
-        beacons.block(OF, Integrity(LIMITS, exclude=True, groups=groups))
-
-
-def test_screening_without_exclusion_is_refused() -> None:
-    with pytest.raises(ModelError, match="needs exclude=True"):
-        beacons.block(OF, Integrity(LIMITS, screened=True))

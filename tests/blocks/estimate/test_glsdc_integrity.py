@@ -111,19 +111,6 @@ def test_the_achieved_risk_is_at_most_the_allocated_one(of: Problem, exclude: bo
             assert result.outputs["valid"].mean() > 0.99
 
 
-def test_a_level_without_the_fault_is_misleading(monkeypatch: pytest.MonkeyPatch) -> None:
-    of = beacons.ranges(4, bias=True)
-    original = glsdc_integrity.thresholds(1, FALSE_ALARM, RISK)
-    planted = glsdc_integrity.Thresholds(original.test, 1e-6, original.deviations, original.hypothesis)
-    monkeypatch.setattr(glsdc_integrity, "thresholds", lambda *_: planted)
-    wrong = compile_block(beacons.block(of, integrity(of)))
-    monkeypatch.undo()
-    right = compile_block(beacons.block(of, Integrity({"x": 5.0, "y": 5.0}, FALSE_ALARM, RISK)))
-    sizes = (4.0, 6.0, 8.0)
-    assert max(max(run(of, wrong, s).misleading(["x", "y"])) for s in sizes) > 3 * RISK
-    assert max(max(run(of, right, s).misleading(["x", "y"])) for s in sizes) <= RISK
-
-
 def test_noise_beyond_the_covariance_shows_as_false_alarms_and_risk() -> None:
     of = beacons.ranges(5)
     result = run(of, compiled(of, exclude=False), 0.0, noise=2.0)
@@ -197,24 +184,6 @@ def run_without_levels(of: Problem) -> Columns:
     return run(of, compile_block(beacons.block(of)), 5.0).outputs
 
 
-@pytest.mark.parametrize(
-    ("of", "exclude", "message"),
-    [
-        (beacons.ranges(3, bias=True), False, "a test needs one more"),
-        (beacons.ranges(3), True, "exclusion of 1 together 2 more"),
-    ],
-)
-def test_integrity_without_redundancy_is_refused(of: Problem, exclude: bool, message: str) -> None:
-    with pytest.raises(ModelError, match=message):
-        beacons.block(of, integrity(of, exclude))
-
-
-def test_a_prior_that_a_fault_reaches_is_refused() -> None:
-    x = Unknown(beacons.UNKNOWNS["x"].signal, 1.0, 3.0, prior=0.1)
-    with pytest.raises(ModelError, match="carries a fault from sample to sample"):
-        beacons.block(beacons.ranges(4), integrity(beacons.ranges(4)), changed={"x": x})
-
-
 def test_exclusion_from_dependent_channels_is_refused() -> None:
     of = beacons.ranges(5)
     arguments: Any = {"channels": of.channels, "unknowns": [beacons.UNKNOWNS[n] for n in of.unknowns]}
@@ -223,22 +192,3 @@ def test_exclusion_from_dependent_channels_is_refused() -> None:
         glsdc_estimator.estimator(
             "e", beacons.TIME, beacons.measurement(of), R, integrity=integrity(of, exclude=True), **arguments
         )
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"limits": {"x": 0.0}}, "limit of the protection level of 'x' is 0"),
-        ({"limits": {"x": 1.0}, "risk": 0.6}, "risk is 0.6"),
-        ({"limits": {"x": 1.0}, "false_alarm": 0.0}, "false_alarm is 0"),
-    ],
-)
-def test_a_probability_or_limit_out_of_range_is_refused(arguments: Any, message: str) -> None:
-    with pytest.raises(ModelError, match=message):
-        Integrity(**arguments)
-
-
-@pytest.mark.parametrize(("freedom", "false_alarm", "risk"), [(0, 1e-3, 1e-3), (2, 0.0, 1e-3), (2, 0.5, 0.5)])
-def test_thresholds_that_do_not_exist_are_refused(freedom: int, false_alarm: float, risk: float) -> None:
-    with pytest.raises(ModelError):
-        glsdc_integrity.thresholds(freedom, false_alarm, risk)

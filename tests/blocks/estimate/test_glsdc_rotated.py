@@ -1,16 +1,12 @@
 """Models of plane vectors that a turned body measures, and how the phasor of its angle moves."""
 
-from dataclasses import replace
 from math import pi
-from typing import Any
 
 import casadi as ca
 import numpy as np
-import pytest
 
 from synth.blocks.estimate import glsdc_jacobian, glsdc_linearisation, phasor
 from synth.blocks.estimate.glsdc_model import Implicit, RotatedMeasurement, Unknown
-from synth.errors import ModelError, SignalError
 from synth.signals import Signal
 from synth.statespace import Array
 
@@ -44,31 +40,6 @@ def test_the_jacobian_of_a_turned_body_is_that_of_its_measurements() -> None:
     """Far from a solution the derivative of the turned residual is another one."""
     assert jacobian_error(rotated_model(ROTATED), np.array([1.0, -2.0])) < 1e-8
     assert jacobian_error(rotated_model(Implicit(ROTATED.residual)), np.array([1.0, -2.0])) > 0.5
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"angle": "roll"}, "no unknown angle"),
-        ({"pairs": [("V_x", "V_x")]}, "not the channels"),
-        ({"pairs": None}, "not the channels"),
-        ({"pairs": [("V_x",), ("V_y",)]}, "not the channels"),
-        ({"fixed": None}, "the fixed model is"),
-        ({"fixed": lambda q, k: {"V_x": 1.0}}, "V_y"),
-        ({"fixed": lambda q, k: None}, "h returns"),
-    ],
-)
-def test_a_turned_body_that_cannot_be_is_refused(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(SignalError, match=message):
-        rotated_model(replace(ROTATED, **change))
-
-
-def test_a_covariance_that_is_not_that_of_fixed_axes_is_refused() -> None:
-    channels = [Signal(n, "V", -5, 5) for n in ("V_x", "V_y")]
-    unknowns = [Unknown(Signal(n, "rad", -pi, pi), 1.0, 0.5, periodic=True, prior=1.0) for n in ("x", "yaw")]
-    for R in (np.diag([1.0, 2.0]), np.array([[1.0, 0.5], [0.5, 1.0]])):
-        with pytest.raises(ModelError, match="R changes when the pairs turn"):
-            glsdc_jacobian.model(ROTATED, R, channels, (), unknowns, (), ())
 
 
 def test_a_phasor_moves_without_a_difference_of_cosines() -> None:

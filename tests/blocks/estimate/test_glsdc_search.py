@@ -1,6 +1,5 @@
 """Cold start and track: no wrong start, no choice among several solutions, holding through faults, loss until init."""
 
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -9,12 +8,11 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Exprs, unranged
-from synth.blocks.estimate import glsdc_estimator, glsdc_search
+from synth.blocks.estimate import glsdc_estimator
 from synth.blocks.estimate.glsdc_integrity import Integrity
 from synth.blocks.estimate.glsdc_model import Unknown
 from synth.blocks.estimate.glsdc_search import Search
 from synth.blocks.estimate.glsdc_solution import Iteration
-from synth.errors import ModelError, SignalError
 from synth.execute.build import compile_block
 from synth.execute.host import Controller
 from synth.signals import Signal
@@ -92,18 +90,6 @@ def test_of_two_places_with_the_same_readings_none_is_chosen() -> None:
     assert not valid.any() and not tracking.any()
 
 
-def test_without_a_second_look_one_of_them_is_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The planted defect: every further solution counts as the candidate."""
-    monkeypatch.setattr(glsdc_search, "_agrees", lambda *_: ca.SX(1))
-    controller, rng = compile_block(unranged(estimator(2))), np.random.default_rng(1)
-    x, states = rng.uniform(-1, 1, N), np.repeat(controller.init()[None], N)
-    for _ in range(STARTS * DWELL + 2):
-        batch = controller.batch(states, by_name(measured(x, rng, 2)))
-        states = batch.states
-    error = np.abs((batch.outputs["x"] - x + 1) % 2 - 1)
-    assert ((batch.outputs["valid"] > 0) & (error > 0.9)).mean() > 0.1
-
-
 def track(faults: Array) -> Any:
     """Return the outputs of a body that rests for the sweep and then moves, with faults (5, samples) from then on."""
     rng, rest = np.random.default_rng(2), 2 * STARTS * DWELL
@@ -149,39 +135,6 @@ def test_the_starts_fill_the_range_evenly() -> None:
     at = np.sort(np.arange(1, 101) * step % 2)
     assert np.diff(np.append(at, at[0] + 2)).max() < 2.7 * 2 / 100
     assert step == pytest.approx(2 * (np.sqrt(5) - 1) / 2, rel=1e-9)
-
-
-@pytest.mark.parametrize("agreement", [{}, {"z": 0.1}])
-def test_a_search_of_no_unknown_is_refused(agreement: Any) -> None:
-    with pytest.raises(SignalError, match="searched unknowns are"):
-        estimator(1, Search(STARTS, agreement, PATIENCE))
-
-
-def test_a_search_without_a_test_is_refused() -> None:
-    with pytest.raises(ModelError, match="give integrity, too"):
-        estimator(1, integrity=None)
-    with pytest.raises(ModelError, match="none is ever excluded: omit all_groups"):
-        estimator(1, replace(SEARCH, all_groups=True), replace(INTEGRITY, exclude=False))
-
-
-@pytest.mark.parametrize("make", [lambda: Search(2, ["x"], 5), lambda: Integrity(["x"])])  # type: ignore[arg-type]
-def test_names_without_limits_are_refused(make: Any) -> None:
-    with pytest.raises(SignalError, match=r"is \['x'\]: give a mapping"):
-        make()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"starts": 0}, "number of starts is 0"),
-        ({"patience": 0}, "patience is 0"),
-        ({"dwell": 0}, "dwell is 0"),
-        ({"agreement": {"x": 0.0}}, "agreement of 'x' is 0"),
-    ],
-)
-def test_a_number_out_of_range_is_refused(arguments: Any, message: str) -> None:
-    with pytest.raises(ModelError, match=message):
-        Search(**{"starts": 3, "agreement": {"x": 0.1}, "patience": 3} | arguments)
 
 
 def test_what_moves_within_a_sweep_is_not_followed() -> None:

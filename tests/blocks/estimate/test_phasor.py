@@ -14,7 +14,6 @@ from synth.block import Exprs, Step, build
 from synth.blocks.estimate import phasor
 from synth.emit import write
 from synth.emit.write import EmittedCode
-from synth.errors import SignalError
 from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -22,7 +21,6 @@ from tests.c_code import without_comments
 
 WAVE = 0.1143  # m
 X = Signal("x", "m", -12.0, 12.0)  # 105 periods of travel
-UNIT = Signal("c", "1", -2, 2)
 EPS = {np.float32: 2e-7, np.float64: 1e-14}  # of the polynomials
 LENGTH = sqrt(2)
 
@@ -95,12 +93,6 @@ def test_the_c_calls_no_sine() -> None:
     code = without_comments(emitted(np.float32).files["reduced.c"])
     assert not [name for name in ("sin", "cos", "floor", "round") if f"{name}f(" in code or f"{name}(" in code]
     assert "admit" in code  # the limit of the distance is proved idle
-
-
-@pytest.mark.parametrize(("high", "period"), [(300.0, WAVE), (0.1, 0.0), (0.1, -1.0)])
-def test_too_long_a_travel_and_no_period_are_refused(high: float, period: float) -> None:
-    with pytest.raises(SignalError, match="give a positive period"):
-        phasor.within_period(ca.SX.sym("x"), Signal("x", "m", -high, high), period, "x")
 
 
 def test_doublings_give_the_phasor_of_the_whole_angle() -> None:

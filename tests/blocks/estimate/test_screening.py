@@ -9,7 +9,6 @@ from synth.block import Block
 from synth.blocks.estimate import screening
 from synth.blocks.guard import safety
 from synth.composition import compose
-from synth.errors import ModelError, SignalError
 from synth.execute.build import compile_block
 from synth.signals import Signal
 from synth.statespace import Array
@@ -67,17 +66,6 @@ def test_two_faulty_groups_are_not_screened() -> None:
     out = outputs(screen(), y)
     assert out["rejected"][20] == 1 and out["screened"][20]
     assert out["rejected"][30] == 0 and not out["screened"][30] and out["screened"].sum() == N - 1
-
-
-@pytest.mark.parametrize("groups", [GROUPS[:2], [*GROUPS, ["v_c"]], [*GROUPS, []], [["v_ax", "other"]]])
-def test_groups_that_are_no_partition_are_refused(groups: Any) -> None:
-    with pytest.raises(SignalError, match="in one group"):
-        screening.screen(TIME, CHANNELS, groups, REPEATS)
-
-
-def test_no_repeats_are_refused() -> None:
-    with pytest.raises(ModelError, match="number of repeats is 0"):
-        screening.screen(TIME, CHANNELS, GROUPS, 0)
 
 
 def test_channels_of_a_group_that_repeat_in_turn_count_together() -> None:

@@ -1,7 +1,6 @@
 """Repeated codes: found in the promised time in every channel, and neither by noise nor by bad readings."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -10,7 +9,6 @@ import pytest
 from synth.block import Block, Exprs, Step, build
 from synth.blocks.estimate.dead_reckoning import MEASURED
 from synth.blocks.faults import repeated_codes
-from synth.errors import ModelError, SignalError
 from synth.reference import repeated_codes as reference
 from synth.signals import Signal
 from synth.statespace import Array
@@ -110,12 +108,3 @@ def test_it_agrees_with_the_reference() -> None:
         assert between == (measured[k] and state["w_watch_left"] == N + 1) and not (is_frozen and between)
         state = next
     assert state["w_frozen"] > 0
-
-
-def test_what_cannot_be_watched_is_refused() -> None:
-    with pytest.raises(SignalError, match="two channels or more"):
-        repeated_codes.states(CHANNELS[:1], N)
-    with pytest.raises(SignalError, match="one range about 0"):
-        repeated_codes.states([CHANNELS[0], replace(CHANNELS[1], high=6.0)], N)
-    with pytest.raises(ModelError, match="2"):
-        repeated_codes.states(CHANNELS, 1)

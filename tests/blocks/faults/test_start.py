@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from synth.blocks.faults import start
-from synth.errors import SignalError
 from synth.reference import guard
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -22,10 +21,3 @@ def test_a_demand_passes_once_a_sample_was_complete(ready: float, complete: floa
     assert passed == (0.7 if ready or complete else 0.0)
     expected = guard.begun({"guard_ready": np.array(ready)}, {"d": np.array(0.7)}, np.array(complete > 0))
     assert passed == expected["d"]
-
-
-def test_what_cannot_be_passed_on_is_refused() -> None:
-    with pytest.raises(SignalError, match="'start' has no demand: give at least one"):
-        start.block(TIME, {})
-    with pytest.raises(SignalError, match="passes 'law' in A on in N: give one unit"):
-        start.block(TIME, {LAW: Signal("d", "N", -1.0, 1.0)})

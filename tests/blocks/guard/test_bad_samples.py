@@ -9,7 +9,6 @@ from synth.block import Block
 from synth.blocks.faults import landing
 from synth.blocks.guard import bad_samples
 from synth.blocks.guard.safety import GuardedInput, guard
-from synth.errors import SignalError
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
@@ -59,9 +58,3 @@ def test_a_landing_begins_by_the_same_count() -> None:
 def test_the_rule_is_stated() -> None:
     assert bad_samples.rule(5, 0) == "5 samples in a row"
     assert bad_samples.rule(5, 4) == "5 samples in a row, or more than 1 in 5 for long"
-
-
-def test_a_negative_number_and_one_of_a_guard_that_brakes_are_refused() -> None:
-    for good_samples, braking in ((-1, 0), (4, 3)):
-        with pytest.raises(SignalError, match="make up for a bad one"):
-            guard(TIME, [READING], 5, good_samples=good_samples, braking=braking)

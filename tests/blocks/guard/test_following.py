@@ -8,7 +8,6 @@ import pytest
 from synth.block import Block
 from synth.blocks.guard import following
 from synth.emit.write import emit
-from synth.errors import SignalError
 from synth.execute import host
 from synth.fault import Fault
 from synth.signals import Signal
@@ -35,28 +34,6 @@ def test_the_bit_is_set_beyond_the_largest_error_alone(error: float) -> None:
 def test_nothing_is_late_while_it_brakes_or_is_latched() -> None:
     assert late(BLOCK, 0, 0, 0.0, 0.1) == 1
     assert [late(BLOCK, 1, 0, 0.0, 0.1), late(BLOCK, 0, 1, 0.0, 0.1), late(BLOCK, 1, 1, 0.0, 0.1)] == [0, 0, 0]
-
-
-@pytest.mark.parametrize(
-    ("axes", "text"),
-    [
-        ([], "give at least one"),
-        ([replace(AXIS, bit=31)], "give one from 0 to 30"),
-        ([replace(AXIS, bit=-1)], "give one from 0 to 30"),
-        ([AXIS, replace(AXIS, position=replace(AXIS.position, name="p"))], "two axes of 'following' set bit"),
-        ([replace(AXIS, largest=0.0)], "give a positive one"),
-        ([replace(AXIS, set_point=replace(REFERENCE, unit="rad"))], "give both one unit"),
-    ],
-)
-def test_what_cannot_be_is_refused(axes: list[following.Axis], text: str) -> None:
-    with pytest.raises(SignalError, match=text):
-        following.block(TIME, axes)
-
-
-@pytest.mark.parametrize("fields", [{"input": "q"}, {"suspect": "q"}, {"about": ""}])
-def test_a_status_concerns_no_input_and_says_what_it_is(fields: dict[str, str]) -> None:
-    with pytest.raises(SignalError, match="give what it is about"):
-        Fault(5, "late", **{"about": "late", "status": True, **fields})  # type: ignore[arg-type]
 
 
 def with_late_bit(status: bool) -> Block:

@@ -14,7 +14,6 @@ from synth.block import Block
 from synth.blocks.guard import missed_calls
 from synth.declare.fault_campaign import FaultCampaign
 from synth.declare.stage import Stage
-from synth.errors import SignalError
 from synth.simulate import faulty
 from synth.simulate.faults import campaign
 from synth.simulate.faults.injections import Injection
@@ -45,18 +44,6 @@ def without_count(block: Block) -> Block:
 def test_the_bit_is_set_above_the_limit_and_for_what_is_no_count(count: float) -> None:
     assert flag(BLOCK, count) == (not 0 <= count <= LIMIT)
     assert flag(without_count(BLOCK), count) == 0
-
-
-@pytest.mark.parametrize("limit", [0.0, -1.0, np.nan, np.inf])
-def test_a_limit_that_tolerates_no_number_is_refused(limit: float) -> None:
-    with pytest.raises(SignalError, match="give a finite number above 0"):
-        missed_calls.signal(limit)
-
-
-@pytest.mark.parametrize("bit", [-1, 31, 32])
-def test_a_bit_that_is_not_free_is_refused(bit: int) -> None:
-    with pytest.raises(SignalError, match="give one from 0 to 30"):
-        missed_calls.block(TIME, missed_calls.signal(1.0), bit)
 
 
 def counting_stage(limit: float = LIMIT) -> Stage:

@@ -21,7 +21,6 @@ from synth.blocks.guard.safety import LATCH_BIT, GuardedInput, Safety, frozen, g
 from synth.composition import compose
 from synth.emit.write import EmittedCode, emit
 from synth.errors import SignalError
-from synth.execute import compile as compiler
 from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -179,14 +178,6 @@ def test_a_planted_change_of_the_c_is_detected(old: str, new: str) -> None:
     assert sum(disagreements(mutant, u) for u in (bounds, run, *map(edge_rows, range(3)))) > 0
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_both_bounds_are_accepted_and_their_neighbours_refused(guarded: host.Controller, name: str) -> None:
-    signal = INPUTS[NAMES.index(name)].signal
-    for bound, outside in ((f32(signal.low), f32(-9)), (f32(signal.high), f32(9))):
-        faults = guarded.replay(columns([{name: bound}, {name: np.nextafter(bound, outside)}])).faults
-        assert faults.tolist() == [0, 1 << NAMES.index(name)]
-
-
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e-40, -1e-40, 3e38, -3e38])
 @pytest.mark.parametrize("name", ["reading", "wish"])
 def test_a_bad_value_is_flagged_and_replaced_by_the_last_good_one(
@@ -202,10 +193,6 @@ def test_a_bad_value_is_flagged_and_replaced_by_the_last_good_one(
     np.testing.assert_array_equal(replay.outputs["force"], guarded.replay(meant).outputs["force"])
 
 
-def test_subnormals_in_range_are_accepted(guarded: host.Controller) -> None:
-    assert guarded.replay(columns([{"angle": v} for v in (1e-40, -1e-40, 0.0, -0.0)])).faults.tolist() == [0] * 4
-
-
 @pytest.mark.parametrize("name", ["reading", "angle"])
 def test_five_consecutive_bad_samples_latch_and_four_do_not(guarded: host.Controller, name: str) -> None:
     bad, bit = {name: np.nan}, 1 << NAMES.index(name)
@@ -213,14 +200,6 @@ def test_five_consecutive_bad_samples_latch_and_four_do_not(guarded: host.Contro
     assert four.tolist() == ([bit] * 4 + [0]) * 6
     five = guarded.replay(columns([{}] + [bad] * 5 + [{}] * 3)).faults
     assert five.tolist() == [0] + [bit] * 4 + [bit | LATCHED] + [LATCHED] * 3
-
-
-def test_bad_samples_of_two_measurements_add_up_until_a_complete_sample(guarded: host.Controller) -> None:
-    reading, angle = {"reading": np.nan}, {"angle": np.nan}
-    turns = guarded.replay(columns([reading, reading, angle, angle, reading, {}])).faults
-    assert turns.tolist() == [1, 1, 2, 2, 1 | LATCHED, LATCHED]
-    spared = guarded.replay(columns([reading, reading, angle, angle, {}] * 8)).faults
-    assert (spared < LATCHED).all()
 
 
 @pytest.mark.parametrize("bad_samples", [1, 2, 7])
@@ -322,11 +301,6 @@ def test_an_input_without_hold_has_no_state_and_still_latches() -> None:
     assert host.load(made.files, made.manifest).replay(u).faults.tolist() == [0, 1, 1 | LATCHED, LATCHED]
 
 
-def test_set_points_alone_need_no_latch() -> None:
-    block = guard(TIME, INPUTS[2:], 5)
-    assert [f.bit for f in block.faults] == [0] and [s.name for s in block.states] == ["last_wish"]
-
-
 def counting() -> Block:
     """A guarded composition with a sum of the wishes."""
     wish, total = Signal("wish_held", "m", -1, 1), State(Signal("total", "m", -100, 100), 0)
@@ -392,11 +366,6 @@ def test_an_output_proved_in_range_is_not_limited_again(width: float, limits: in
     assert force.min() == -reach and force.max() == reach and force[-1] == 2.5
 
 
-def test_the_c_is_free_of_warnings() -> None:
-    files = emit(controller(), f32).files
-    compiler.check({n: t for n, t in files.items() if n.endswith((".c", ".h"))})
-
-
 def many(count: int) -> list[GuardedInput]:
     return [GuardedInput(Signal(f"u{i}", "1", 0, 1), 0, True) for i in range(count)]
 
@@ -422,23 +391,6 @@ def test_invalid_guards_are_refused(inputs: list[GuardedInput], bad_samples: int
     assert len(guard(TIME, many(31), 1).faults) == len(guard(TIME, many(16), 1, [f"u{i}" for i in range(15)]).faults)
     with pytest.raises(SignalError, match="16 inputs are guarded and 16 may be suspects, but"):
         guard(TIME, many(16), 1, [f"u{i}" for i in range(16)])
-
-
-@pytest.mark.parametrize(
-    ("safe", "slew", "text"),
-    [
-        ({}, {"force": 1}, "'force' has no safe value or no rate: declare both"),
-        ({"force": 0}, {}, "'force' has no safe value or no rate"),
-        ({"force": 5}, {"force": 1}, "safe output 5 of 'force' is outside .*: choose one inside"),
-        ({"force": np.nan}, {"force": 1}, "safe output nan"),
-        ({"force": 0}, {"force": 0}, "'force' slews at 0 A per second: the rate must be finite and positive"),
-        ({"force": 0}, {"force": np.inf}, "slews at inf"),
-        ({"force": 0}, {"force": np.nan}, "slews at nan"),
-    ],
-)
-def test_an_incomplete_safety_is_refused(safe: dict[str, float], slew: dict[str, float], text: str) -> None:
-    with pytest.raises(SignalError, match=text):
-        safe_output.block(TIME, [FORCE], Safety(5, safe, slew, "test"))
 
 
 SUSPICIOUS = ("suspected", "suspect_reading", "suspect_angle")
@@ -503,11 +455,6 @@ def test_any_suspicion_latches(suspects: str, bits: int) -> None:
     assert faults == [0, *[bits] * 4, *[bits | LATCHED] * 3]
 
 
-def test_suspect_inputs_without_suspicion_change_nothing() -> None:
-    faults, force = run_with_suspects(["ra"] * 8)
-    assert faults == [0] * 8 and len(set(force)) == 1
-
-
 def test_samples_that_are_refused_and_samples_that_are_suspected_add_up_to_the_latch() -> None:
     bad = [0.02, np.nan, np.nan, 0.02, 0.02, 0.02, 0.02, np.nan]
     faults, _ = run_with_suspects(["", "", "sr", "sr", "sr", "", "", ""], reading=bad)
@@ -543,14 +490,6 @@ def test_manifest_and_header_name_the_suspects() -> None:
     assert made.manifest["faults"] == [*inputs, *named]
     for bit, name in ((3, "reading"), (4, "angle")):
         assert f" *   bit  {bit}  {name}: contradicts other measurements or its prediction\n" in made.files["watched.h"]
-
-
-@pytest.mark.parametrize("suspected", [("wish",), ("reading", "reading"), ("nobody",)])
-def test_invalid_suspects_are_refused(suspected: tuple[str, ...]) -> None:
-    with pytest.raises(SignalError, match=f"'{suspected[-1]}' is not a measurement or one is listed twice: name each"):
-        guard(TIME, INPUTS, 5, suspected)
-    with pytest.raises(SignalError, match="among no measurements"):
-        guard(TIME, INPUTS[2:], 5, suspected)
 
 
 def test_without_suspects_nothing_changes() -> None:

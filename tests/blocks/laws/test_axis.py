@@ -1,6 +1,5 @@
 """Servo LQG axis: gains against an independent reference, specified properties, and refusals."""
 
-from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -182,19 +181,6 @@ def test_the_state_bounds_of_a_saturated_axis_hold_and_have_the_right_magnitude(
     assert (largest <= bounds).all() and (largest > 0.02 * bounds).all()
 
 
-def test_a_loop_that_forgets_the_delay_loses_its_margin() -> None:
-    """Planted defect: the axis is designed without delay, the loop has a delay of one sample."""
-    forgetful = stage.controller("late", TIME, around(delay=0), [Z, X])
-    sound = stage.controller("sound", TIME, around(), [Z, X])
-    late = replace(forgetful, interface=around())
-    points = {"mid": {"z": 0.0}}
-    require = {"phase_margin": 30.0, "modulus_margin": 0.5}
-    loops = {c.name: robustness.of_controller(c, DESIGN.PLANT, points) for c in (late, sound)}
-    checks = {name: robustness.checks(robustness.open_loops(of), require) for name, of in loops.items()}
-    assert all(check.passed for check in checks["sound"])
-    assert not all(check.passed for check in checks["late"])
-
-
 def two_coils() -> plants.Plant:
     """Return a beam on two coils whose forces depend on the gap: lift and tilt, both inputs in both."""
     states = [Signal("h", "m", -1e-3, 1e-3), Signal("vh", "m/s", -1, 1)]
@@ -246,37 +232,6 @@ def test_an_axis_that_shares_its_inverse_is_refused_alone() -> None:
         axis.decouple([laws[0], beam()[2][1]])
     with pytest.raises(SignalError, match="give one axis for each"):
         axis.decouple([laws[0], laws[0]])
-
-
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"modes": {}}, "exosystem frequencies"),
-        ({"modes": {0.0: 0.0}}, "speed of a mode"),
-        ({"weights": {"v": 1.0}}, "no weight on 'q'"),
-        ({"weights": {"q": 1.0, "p": 1.0}}, "'p' is not one of q, v"),
-        ({"weights": {"q": -1.0}}, "above 0"),
-        ({"command_weight": 0.0}, "command weight"),
-        ({"anti_windup": -1.0}, "rate of the anti-windup"),
-        ({"set_point_weight": -0.5}, "part of the set-point|weight of the set-point"),
-        ({"estimator": axis.kalman({"x": 1.0}, {"q": 1.0})}, "process noise of the axis: 'x' is not one of q, v"),
-    ],
-)
-def test_invalid_arguments_are_refused_by_name(changed: dict[str, Any], message: str) -> None:
-    with pytest.raises(SignalError, match=message):
-        default_axis(**changed)
-
-
-def test_noise_that_is_not_positive_is_refused() -> None:
-    with pytest.raises(SignalError, match="sensor noise is"):
-        axis.kalman({"v": 1.0}, {})
-
-
-def test_a_mode_beyond_nyquist_and_a_negative_delay_are_refused() -> None:
-    with pytest.raises(SignalError, match="must lie below"):
-        regulator_for(modes={7000.0: 5.0})
-    with pytest.raises(SignalError, match="the delay is -1 samples"):
-        regulator_for(-1)
 
 
 def test_a_plant_that_the_command_does_not_influence_is_refused() -> None:

@@ -6,7 +6,6 @@ import scipy.signal
 
 from synth.block import Block
 from synth.blocks.laws import derivative_filter
-from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
 from tests import tolerances
@@ -105,14 +104,3 @@ def test_no_motion_drives_the_states_to_their_bounds(bandwidth: float, scalar: t
         x = np.asarray(step([-1.0, *x[1:]], [1.0, 1.0])[0]).ravel()
     assert (x[1:] < high[1:] * (1 - derivative_filter.SLACK / 2)).all()
     assert (x[1:] > high[1:] * (1 - 3 * derivative_filter.SLACK)).all()
-
-
-@pytest.mark.parametrize("bandwidth", [0.0, -5.0, np.pi / T, np.inf, np.nan])
-def test_a_bandwidth_that_the_samples_cannot_carry_is_refused(bandwidth: float) -> None:
-    with pytest.raises(SignalError, match=r"between 0 and 3141\.59 rad/s"):
-        block(bandwidth)
-
-
-def test_a_rate_of_another_unit_is_refused() -> None:
-    with pytest.raises(SignalError, match="the rate 'dq' of 'q' is in m: it must be in m/s"):
-        derivative_filter.block("f", Discrete(T), Q, Signal("dq", "m", -1, 1), W)

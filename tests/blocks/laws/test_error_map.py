@@ -7,11 +7,10 @@ import pytest
 from scipy import interpolate
 
 from synth.block import unranged
-from synth.blocks.laws import error_map, lookup_table
+from synth.blocks.laws import error_map
 from synth.blocks.laws.error_map import ErrorMap
 from synth.blocks.laws.lookup_table import Grid
 from synth.emit import write
-from synth.errors import ModelError
 from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -75,48 +74,3 @@ def test_the_c_corrects_as_the_map_does(scalar: type[np.floating], most: float) 
 def test_beyond_the_table_the_edge_values_are_used() -> None:
     far = np.array([[9.0, -9.0, 0.0]])
     np.testing.assert_allclose(correct_in_c(RANDOM, np.float64, far)[0] - far[0], RANDOM.added[:, -1, 0], atol=1e-14)
-
-
-def test_a_grid_beyond_the_samples_is_refused() -> None:
-    estimated, reference = scattered_samples()
-    with pytest.raises(ModelError, match="no samples lie about "):
-        error_map.fit(estimated, reference, lookup_table.square(7e-3, 1e-3), UNITS)
-    with pytest.raises(ModelError, match=r"estimates have the shape .400, 3., not all finite"):
-        error_map.fit(np.full_like(estimated, np.nan), reference, GRID, UNITS)
-
-
-@pytest.mark.parametrize(("n", "message"), [(0, "a row or more"), (1, "1 samples make no triangle"), (2, "2 samples")])
-def test_fewer_than_three_samples_make_no_map(n: int, message: str) -> None:
-    with pytest.raises(ModelError, match=message):
-        error_map.fit(*scattered_samples(n), GRID, UNITS)
-
-
-@pytest.mark.parametrize("along", [[1.0, 0.0, 0.0], [0.0, 1.0, 1.0], [0.0, 0.0, 0.0]])
-def test_samples_on_a_line_make_no_map(along: list[float]) -> None:
-    estimated, reference = scattered_samples(20)
-    with pytest.raises(ModelError, match="20 samples make no triangle: measure at three places or more, not on a line"):
-        error_map.fit(estimated * along, reference, GRID, UNITS)
-
-
-def test_different_numbers_of_estimates_and_references_are_refused() -> None:
-    estimated, reference = scattered_samples(20)
-    with pytest.raises(ModelError, match="1 estimates meet 20 references"):
-        error_map.fit(estimated[:1], reference, GRID, UNITS)
-
-
-@pytest.mark.parametrize(("mapped", "signals"), [(2, 3), (1, 1)])
-def test_another_number_of_coordinates_is_refused(mapped: int, signals: int) -> None:
-    with pytest.raises(ModelError, match=f"the map is of {mapped} coordinates: give as many .*, not {signals}"):
-        error_map.block(ErrorMap(GRID, np.zeros((mapped, 9, 6))), TIME, SIGNALS[:signals])
-
-
-@pytest.mark.parametrize("units", [[1e-8, 0.0, 1e-6], 1e-8, [1e-8]])
-def test_a_unit_that_is_missing_or_not_positive_is_refused(units: object) -> None:
-    with pytest.raises(ModelError, match="give a positive one for each of two or more coordinates"):
-        error_map.fit(*scattered_samples(20), GRID, units)
-
-
-@pytest.mark.parametrize("shape", [(3, 9, 5), (3, 6, 9)])
-def test_values_that_do_not_fit_their_grid_are_refused(shape: tuple[int, ...]) -> None:
-    with pytest.raises(ModelError, match=r"give finite ones for its points, .3, 9, 6."):
-        ErrorMap(GRID, np.zeros(shape))

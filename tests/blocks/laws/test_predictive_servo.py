@@ -5,14 +5,12 @@ from math import pi
 from typing import Any
 
 import numpy as np
-import pytest
 
 from synth.block import Block
 from synth.blocks.estimate import predictor
 from synth.blocks.laws import predictive_servo
 from synth.blocks.laws.axis_regulator import internal_weights
 from synth.emit.write import emit
-from synth.errors import SignalError
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
@@ -140,24 +138,3 @@ def test_the_prediction_ahead_is_the_next_position() -> None:
         states, y = (np.asarray(v).ravel() for v in f(states, [x, before, float(k > 0)]))
         ahead = dict(zip((s.name for s in look.outputs), y.tolist(), strict=True))["x_ahead"]
     assert abs(error) < 1e-9
-
-
-@pytest.mark.parametrize(
-    ("changed", "match"),
-    [
-        ({"cancelled": 1.2}, "cancels 1.2"),
-        ({"limits": predictive_servo.Limits(0.0, 0.05, 1.0)}, "positive limits"),
-        ({"demand": Signal("w_x", "m/s", -1.0, 1.0)}, "'w_x' is in m/s"),
-    ],
-)
-def test_a_servo_that_does_not_fit_is_refused(changed: dict[str, Any], match: str) -> None:
-    with pytest.raises(SignalError, match=match):
-        servo(**changed)
-
-
-def test_a_gain_of_another_exosystem_is_refused() -> None:
-    with pytest.raises(SignalError, match="exosystem of order 5"):
-        predictive_servo.block(
-            "x", TIME, gain(), [0.0, HUM, 2 * HUM], measured=X, reference=R, demand=W, cancelled=0.8, limits=LIMITS,
-            disturbance=20.0,
-        )  # fmt: skip

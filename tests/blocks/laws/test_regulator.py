@@ -12,7 +12,6 @@ from synth.analyse import discretise
 from synth.analyse.loops import loop
 from synth.block import Block
 from synth.blocks.laws import regulator
-from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.statespace import StateSpace
 from synth.synthesise.feedback import lqr
@@ -169,19 +168,3 @@ def test_units_follow_from_the_terms() -> None:
     force = Signal("excess", "kg m/s^2", -1, 1)
     by_force = {c.name: c.unit for c in block(anti_windup=(force, [1, 1, 1])).constants}
     assert dimension(f"{by_force['p1_excess']} N") == dimension("m")
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"frequencies": (0.0,)}, r"the gain is \(1, 5\) and 3 bounds are given, but the exosystem of order 1"),
-        ({"bounds": (1.0, 1.0)}, "2 bounds are given, but the exosystem of order 3"),
-        ({"anti_windup": (EXCESS, [1.0])}, "has 1 entries, the internal model 3 states"),
-        ({"rate": replace(RATE, unit="m")}, "'de' is in m, but the error 'e' needs m/s"),
-        ({"demand": replace(DEMAND, unit="N")}, r"'w' is in N, but the error 'e' needs m/s\^2"),
-        ({"frequencies": (0.0, 700.0)}, "must lie below 628.319 rad/s"),
-    ],
-)
-def test_arguments_that_do_not_fit_are_refused(changes: dict[str, object], message: str) -> None:
-    with pytest.raises(SignalError, match=message):
-        block(**changes)

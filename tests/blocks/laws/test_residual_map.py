@@ -1,13 +1,11 @@
 """Residual map: exact for bilinear residuals, smooth where there are no samples, the same in the C as in NumPy."""
 
 import numpy as np
-import pytest
 
 from synth.block import Exprs, Step, build, table, unranged
 from synth.blocks.laws import lookup_table, residual_map
 from synth.blocks.laws.lookup_table import Grid
 from synth.emit import write
-from synth.errors import ModelError
 from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -63,35 +61,7 @@ def test_the_c_looks_up_the_same_values() -> None:
     np.testing.assert_allclose(np.column_stack([out["a"], out["b"]]), of.at(PLACES), atol=1e-12)
 
 
-def test_samples_beyond_the_grid_or_without_residuals_are_refused() -> None:
-    with pytest.raises(ModelError, match="widen the grid"):
-        residual_map.fit(1.1 * PLACES, bilinear(PLACES), GRID)
-    with pytest.raises(ModelError, match="one for each"):
-        residual_map.fit(PLACES, bilinear(PLACES)[:9], GRID)
-    with pytest.raises(ModelError, match="smoothing"):
-        residual_map.fit(PLACES, bilinear(PLACES), GRID, smoothing=0.0)
-    lost = bilinear(PLACES)
-    lost[7, 1] = np.nan
-    with pytest.raises(ModelError, match=r"the residuals have the shape \(3000, 2\), not all finite"):
-        residual_map.fit(PLACES, lost, GRID)
-
-
 ALONG = np.linspace(-0.9, 0.9, 41)
-
-
-@pytest.mark.parametrize(
-    ("places", "determined"),
-    [
-        (np.column_stack([ALONG, 0 * ALONG]), 2),
-        (np.vstack([np.column_stack([ALONG, 0 * ALONG]), np.column_stack([0 * ALONG, ALONG])]), 3),
-        (np.column_stack([ALONG, ALONG]), 3),
-        (np.array([[0.1, 0.2]]), 1),
-    ],
-)
-def test_a_scan_that_leaves_a_surface_free_is_refused(places: np.ndarray, determined: int) -> None:
-    """Along the two lines of a cross the surface x y is 0: rounding would fill the rest of the map."""
-    with pytest.raises(ModelError, match=f"{len(places)} places determine {determined} of the surfaces"):
-        residual_map.fit(places, bilinear(places), GRID)
 
 
 def test_a_cross_and_one_place_beside_it_are_enough() -> None:

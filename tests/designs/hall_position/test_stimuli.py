@@ -84,17 +84,6 @@ def test_every_decision_is_seen_both_ways() -> None:
     assert coverage.decisions > 50 and [line for line in coverage.missing if not LEAST_PIVOT.search(line)] == []
 
 
-@tools.needs_arm_gcc
-def test_a_decision_that_nothing_takes_is_detected() -> None:
-    """The planted defect: a branch on a value that no step has."""
-    (emitted, _, _), name = subject(config.NAME), config.NAME
-    planted = "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
-    text = emitted.files[f"{name}.c"].replace("    return faults;", planted)
-    candidate = baselines.emitted_c(EmittedCode({**emitted.files, f"{name}.c": text}, emitted.manifest))
-    coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every(100), ONCE), ONCE)
-    assert [line for line in coverage.missing if "1.2345678f" in line]
-
-
 @pytest.mark.parametrize(("name", "build"), ceilings.builds(config.NAME))
 def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: Build) -> None:
     ceiling = ceilings.of(name, build)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.maglev import commutation, motions, platen, reference_phase
+from designs.maglev import commutation, motions, platen
 from designs.maglev_5dof.design import DESIGN, PHASES
 from models import maglev_stage
 from synth.app import standard_tasks
@@ -20,7 +20,7 @@ from synth.simulate.faults import campaign
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.verify import drive, replays, sampling, suite
+from synth.verify import drive, replays
 from tests.designs.maglev_5dof.test_fault_campaign import with_defect
 
 ERROR = platen.SURROGATE_ERROR
@@ -77,19 +77,6 @@ def test_the_c_calls_no_sine_and_costs_no_more_than_it_did() -> None:
     assert not [f for f in ("sin", "cos", "floor") if f"{f}f(" in code or f"{f}(" in code]
     assert "maglev_5dof_phase_limit(i_a" not in code  # no limit of a phase is left: all are proved idle
     assert "x: lost; motors 2 and 4 hand their direct currents over and fade out" in files[f"{PHASES.name}.h"]
-
-
-def test_the_reference_differs_where_the_advance_does(monkeypatch: pytest.MonkeyPatch) -> None:
-    by = suite.witnesses(PHASES, reference_phase.step, ERROR)
-    samples = sampling.anywhere(PHASES, np.random.default_rng(5), 500)
-
-    def worst() -> float:
-        agreements = suite.compare("steps", by, *samples, 1.0)
-        return next(a.worst for a in agreements if a.first == "reference")
-
-    assert worst() < suite.DOUBLE_TOLERANCE
-    monkeypatch.setattr(reference_phase, "ADVANCE", 1.5 * (1 + 1e-9))
-    assert worst() > suite.DOUBLE_TOLERANCE
 
 
 def lose(

@@ -7,36 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designs.maglev import verification
 from designs.maglev_5dof import reference, reference_gains
 from designs.maglev_5dof.design import DESIGN
 from synth.app import standard_tasks
 from synth.emit.write import EmittedCode
-from synth.execute import host
 
 ROOT = Path(__file__).parents[3]
-NAMES = ("maglev_5dof", "maglev_5dof_phase")
 
 
 @pytest.fixture(scope="module")
 def regenerated() -> Mapping[str, EmittedCode]:
     return standard_tasks.emit(DESIGN, np.float32)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_the_committed_c_answers_its_vectors(name: str) -> None:
-    folder = ROOT / "generated_c" / name
-    vectors = json.loads((folder / "vectors.json").read_text())
-    manifest = json.loads((folder / "manifest.json").read_text())
-    files = {p.name: p.read_text() for p in folder.glob("*.[ch]")}
-    replay = host.load(files, manifest).replay({n: np.array(v) for n, v in vectors["inputs"].items()})
-    assert len(vectors["faults"]) == verification.STEPS
-    assert replay.faults.tolist() == vectors["faults"]
-    for signal, values in vectors["outputs"].items():
-        # The C library's sine may differ in the last place from one machine to another; fused sums round once less.
-        np.testing.assert_allclose(replay.outputs[signal], values, rtol=0, atol=2e-5)
-    moved = {n: np.roll(v, 1) for n, v in vectors["outputs"].items()}
-    assert any(not np.allclose(replay.outputs[n], moved[n], rtol=0, atol=2e-5) for n in moved)
 
 
 def test_gains_ship_the_published_weights_and_their_certificate() -> None:

@@ -27,10 +27,3 @@ def largest_step(source: str) -> float:
 
 def test_currents_fade_in_when_a_position_is_known_again() -> None:
     assert 0.1 < largest_step((FOLDER / f"{NAME}.c").read_text()) < 2 * 2.5 * np.sqrt(2) / commutation.FADE
-
-
-def test_a_count_that_starts_again_at_once_is_detected() -> None:
-    source = (FOLDER / f"{NAME}.c").read_text()
-    right = "state->commutation_unknown = commutation_unknown - 1u;"
-    assert source.count(right) == 1
-    assert largest_step(source.replace(right, "state->commutation_unknown = 0u;")) > 3.0  # A

@@ -7,11 +7,11 @@ from designs.maglev import platen
 from designs.maglev.fault_handling import MISSED_CALLS
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
+from studies.maglev.held_currents import PERIOD_S, STATES, course, machine
 from synth.app import standard_tasks
 from synth.simulate.faults import campaign, machines
 from synth.simulate.scenario import Trajectory, sample_times
 from tests.designs.maglev_5dof import full_plant
-from tests.designs.maglev_5dof.held_currents import PERIOD_S, STATES, Machine, Y, course, machine
 
 WRONG_PLANTS = (1, 6)  # of the campaign: with stronger magnets, so the gap is less stable
 CLIMBING = (20.5 / 24, 21 / 24)  # phases of the course in which the platen approaches its upper stop
@@ -76,14 +76,6 @@ def test_the_currents_of_the_bound_accelerate_the_platen_along_the_course() -> N
         motors = np.r_[i[:4], i[5], i[4], i[5], i[4]]  # u_z drives motors 1 and 3
         rates = full_plant.plant(x, motors, full_plant.reference_stage.Parameters())
         assert rates[ON_COURSE] == pytest.approx(acceleration, rel=1e-3, abs=1e-3)
-
-
-def test_the_largest_current_is_the_strongest() -> None:
-    """The attraction by i_d^2 does not outweigh the repulsion up to the limit of a motor."""
-    x = course(CLIMBING[1])[0]
-    lifted = [np.asarray(machine(0).rates(x, np.r_[np.full(4, i), 0.0, 0.0])).ravel()[Y + 1] for i in (4.0, 4.9)]
-    assert lifted[1] > lifted[0] and Machine(maglev_stage.plant()).hold(x, np.zeros(6), 1)[0] > 0
-    assert platen.BOX["y"][0] == 0.018
 
 
 @pytest.mark.slow

@@ -1,17 +1,14 @@
 """The witnesses agree to the stated limits, and a planted defect in the C, a gain or the physics parts them."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from designs.maglev import platen, reference_stage, verification
+from designs.maglev import reference_stage, verification
 from designs.maglev_5dof import control, reference
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.verification import law_states
 from models import maglev_stage
 from synth.block import Block
-from synth.emit import write
 from synth.execute import build, host
 from synth.plant import Plant
 from synth.verify import agree, sampling, suite
@@ -30,7 +27,6 @@ def test_every_check_passes(evidence: Evidence) -> None:
 
 
 Steps = tuple[verification.Columns, verification.Columns]
-UNOPTIMISED = ("-O0",)  # for C that takes few steps: the results are the same, and compilation is much shorter
 
 
 @pytest.fixture(scope="module")
@@ -74,59 +70,13 @@ def _compiled(block: Block) -> host.Controller:
     return build.compile_block(block, np.float64, libm=True)
 
 
-def _emitted(block: Block) -> write.EmittedCode:
-    return write.emit(block, np.float64, error=platen.SURROGATE_ERROR[np.float64])
-
-
 def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> None:
     worst = _worst(double, random_steps)
     assert max(worst.worst, worst.state_worst) <= suite.DOUBLE_TOLERANCE and worst.faults_differ == 0
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("y3_held - y1_held", "y1_held - y3_held"),
-        ("hold(in->y1, 0.0168, 0.0322", "hold(in->y1, 0.0168, 0.03"),
-        ("= 11250.0", "= -11250.0"),
-        ("(sum_excess * excess)", "(-sum_excess * excess)"),
-        ("(q1_excess * excess)", "(0.0 * excess)"),
-        ("q1 - p1_next", "q1 + p1_next"),
-        ("fade * state->r", "fade * -state->r"),
-        ("latch_samples = 20u", "latch_samples = 19u"),
-        ("guard_left <= good_per_bad", "guard_left <= (good_per_bad + 1u)"),
-        ("half_c_2 * (last_u_x_squared", "half_c_2 * (last_u_z_squared"),
-        ("state->safe_output_last_u_x = ", "state->safe_output_last_u_x = -"),
-    ],
-)
-def test_a_planted_change_in_the_c_is_caught(stage: Plant, random_steps: Steps, old: str, new: str) -> None:
-    emitted = _emitted(control.with_fault_handling(stage).block)
-    text = emitted.files["maglev_5dof.c"]
-    assert old in text
-    before, _, after = text.rpartition(old)
-    files = {**emitted.files, "maglev_5dof.c": before + new + after}
-    assert _disagrees(_worst(host.load(files, emitted.manifest, UNOPTIMISED), random_steps))
-
-
-def test_without_optimisation_the_sound_c_agrees(stage: Plant, random_steps: Steps) -> None:
-    """So a difference after a planted change comes from the change."""
-    emitted = _emitted(control.with_fault_handling(stage).block)
-    assert not _disagrees(_worst(host.load(emitted.files, emitted.manifest, UNOPTIMISED), random_steps))
-
-
 def test_with_functions_of_libm_the_sound_c_agrees(stage: Plant, random_steps: Steps) -> None:
     assert not _disagrees(_worst(_compiled(control.with_fault_handling(stage).block), random_steps))
-
-
-def test_a_planted_sign_in_a_gain_is_caught(stage: Plant, random_steps: Steps) -> None:
-    block = control.with_fault_handling(stage).block
-    constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_p1" else c for c in block.constants)
-    assert _disagrees(_worst(_compiled(replace(block, constants=constants)), random_steps))
-
-
-def test_a_planted_sign_in_the_physics_is_caught(stage: Plant, random_steps: Steps) -> None:
-    wrong = stage.with_parameters(k_s_theta=-stage.parameter("k_s_theta").value)
-    assert _disagrees(_worst(_compiled(control.with_fault_handling(wrong).block), random_steps))
 
 
 def test_the_plant_agrees_with_the_reference_plant() -> None:

@@ -1,4 +1,4 @@
-"""The precise design: files, evidence, planted defects, experiments, and margins beside those of the paper's design."""
+"""The precise design: its experiments, and its margins beside those of the paper's design."""
 
 import numpy as np
 import pytest
@@ -11,20 +11,8 @@ from synth.analyse.loops.disk import DiskMargin
 from synth.app import tasks
 from synth.declare.stage import Stage
 from synth.simulate.experiment import Experiment
-from synth.testing import (
-    test_defects_that_are_planted_are_found,
-    test_the_c_compiles_without_a_warning,
-    test_the_committed_files_are_regenerated_byte_for_byte,
-    test_the_evidence_passes,
-)
 from synth.verify import standard
 
-__all__ = [
-    "test_defects_that_are_planted_are_found",
-    "test_the_c_compiles_without_a_warning",
-    "test_the_committed_files_are_regenerated_byte_for_byte",
-    "test_the_evidence_passes",
-]
 LEAST_DELAY = 3e-3  # s
 
 

@@ -162,16 +162,6 @@ def test_a_limit_stays_where_nothing_is_spared(monkeypatch: pytest.MonkeyPatch) 
         assert "admit" not in text and text.count("_computed = commutation_limit(") == 9
 
 
-@pytest.mark.parametrize(("parameter", "off"), [("a", 1e-10), ("b", 1e-10), ("c", 1e-9), ("l", 1e-12)])
-def test_a_planted_place_is_found(parameter: str, off: float) -> None:
-    """Motors that are 0.1 nm from where the commutation takes them, or 1 nm times the yaw, make other forces."""
-    q = poses(1000)
-    moved = PLANT.with_parameters(**{parameter: V[parameter] + off})
-    along, _ = forces(q, agree.casadi(allocation.commutation(moved, TIME))({}, commutation_inputs(q)).outputs)
-    commanded = K * np.array([q[f"i_{m}Q"] for m in planar_stage.MOTORS])
-    assert np.abs(along - commanded).max() > DOUBLE * K * allocation.LIMIT
-
-
 @pytest.mark.parametrize("witness", ["casadi", "c64"])
 def test_what_the_motors_can_do_is_done(allocated: dict[str, agree.Witness], witness: str) -> None:
     u = demands(0.1)

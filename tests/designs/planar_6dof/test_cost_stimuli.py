@@ -191,28 +191,6 @@ def test_every_decision_is_seen_both_ways(name: str, build: meter.Build) -> None
     assert not unexplained_decisions(coverage.missing), "\n".join(unexplained_decisions(coverage.missing))
 
 
-def test_a_decision_that_nothing_takes_is_reported() -> None:
-    """The planted defect: a branch on a value that no step has."""
-    (emitted, _, _), every, build = subject("planar_6dof_lqg"), subject("planar_6dof_lqg").every, ZIG
-    text = emitted.files["planar_6dof_lqg.c"].replace(
-        "    return fault_word;",
-        "    if (in->V_ax == 1.2345678f) { state->guard_ready = 0u; }\n    return fault_word;",
-    )
-    candidate = baselines.emitted_c(EmittedCode({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
-    coverage = meter.coverage(candidate, meter.run(candidate, steps.thinned(every, 300), build), build)
-    assert [line for line in unexplained_decisions(coverage.missing) if "1.2345678f" in line]
-
-
-def test_decisions_that_only_failures_take_are_reported_without_them() -> None:
-    """The planted defect: a meter that leaves the failures out. No channel is named then, and no input refused."""
-    lqg, build = subject("planar_6dof_lqg"), ZIG
-    candidate = baselines.emitted_c(lqg.emitted)
-    sound = steps.thinned(lqg.sequences["travel"], THIN)
-    left = unexplained_decisions(meter.coverage(candidate, meter.run(candidate, sound, build), build).missing)
-    assert any("sensing_contradiction_confirmed" in line for line in left)
-    assert any("5.0f" in line for line in left)
-
-
 @pytest.mark.parametrize(("name", "build"), ceilings.builds(*NAMES))
 def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: meter.Build) -> None:
     ceiling = ceilings.of(name, build)

@@ -6,24 +6,21 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, experiments, failures, interface, lqg, voltages
+from designs.planar_6dof import allocation, failures, interface, lqg, voltages
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.paper import rows as paper
-from designs.planar_6dof.paper.records import FIGURE_8
 from designs.planar_6dof.sensing import calibration, sections
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import halbach, planar_stage
-from synth.block import Block
 from synth.blocks.faults import repeated_codes
 from synth.fault import BRAKING_BIT, LATCH_BIT
 from synth.simulate.experiment import Experiment
 from synth.simulate.faults.failure import Failure
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
-from synth.simulate.sensors import Override
 
 pytestmark = pytest.mark.whole
 
@@ -202,52 +199,6 @@ def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
 
 
 # Planted defects
-
-
-def with_wrong_constant(block: Block, name: str, factor: float) -> Block:
-    changed = tuple(replace(c, value=factor * c.value) if c.name == name else c for c in block.constants)
-    assert changed != block.constants
-    return replace(block, constants=changed)
-
-
-def failing_checks(e: Experiment) -> set[str]:
-    return {c.name for c in e.checks if not c.passed}
-
-
-@pytest.mark.parametrize(("parameter", "factor"), [("turns", 0.6), ("M", 1.6), ("turns", -1.0)])
-def test_a_wrong_plant_is_caught(lead: Rig, parameter: str, factor: float) -> None:
-    """A loop gain that is off by a third, or its sign."""
-    wrong = lead.plant.with_parameters(**{parameter: factor * lead.plant.parameter(parameter).value})
-    bad = replace(lead, plant=wrong)
-    run = experiments.step(bad, "x", FIGURE_8["x"])
-    experiment = experiments.step_experiment(bad, run, "", "", leadlag_experiments.LIMITS)
-    assert failing_checks(experiment) & {"rise", "overshoot", "settling"}
-
-
-def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
-    values = []
-    for delay in (0, 1, 2):
-        late = lead.with_interface(delay=delay)
-        run = experiments.step(late, "x", FIGURE_8["x"])
-        values.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
-    beyond = [e.figures["overshoot"] for e in values]
-    assert beyond[0] + 0.005 < beyond[1] < beyond[2] - 0.005
-    assert [failing_checks(e) for e in values] == [set(), set(), {"overshoot"}]
-
-
-def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A calibration that is 1 % too long leaves 0.13 mm between two sections."""
-    monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
-    wrong = loops.compile_block(with_wrong_constant(loops.position_block(leadlag.TIME), "sensing_position_1", 1.01))
-    monkeypatch.setattr(loops, "_inner_signals", lambda block: wrong)
-    experiment = leadlag_experiments.circle_experiment(lead, "circle")
-    assert failing_checks(experiment) == {"jump of x at a switching sample", "jump of y at a switching sample"}
-
-
-def test_a_fault_is_caught(lead: Rig) -> None:
-    mask = np.arange(100) == 50
-    run = lead.run(0.1, {}, {}, overrides={"V_by": Override(mask, np.full(100, np.nan))})
-    assert experiments.common_checks(run)[0].value == 1 and not experiments.common_checks(run)[0].passed
 
 
 ISOLATION = "samples from a residual out of bounds to the"

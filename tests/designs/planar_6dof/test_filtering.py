@@ -157,18 +157,6 @@ def test_a_velocity_taken_from_positions_is_not_as_good_and_is_seen() -> None:
     assert single_less_double("x", 800, 0.0, from_positions) > SINGLE
 
 
-def test_a_wrong_gain_is_seen() -> None:
-    block = alone("x", 800)
-    wrong = [
-        c if c.name != "filter_x_k_s" else type(c)(c.name, 1.01 * c.value, c.unit, c.source) for c in block.constants
-    ]
-    made = write.emit(unranged(type(block)(**{**vars(block), "constants": tuple(wrong)})), np.float64)
-    raw = travel("x", 800, 5e-5)[:400]
-    inputs = {"x_raw": raw, "ready": 1.0}
-    right = compiled("x", 800, np.float64).replay(inputs).outputs["x"]
-    assert np.abs(host.load(made.files, made.manifest).replay(inputs).outputs["x"] - right).max() > 1e-6
-
-
 def test_the_c_is_free_of_warnings_and_stores_no_product() -> None:
     made = write.emit(unranged(alone("x", 800)), np.float32)
     compiler.check(host.code(made.files))

@@ -127,24 +127,6 @@ def test_end_turns_in_the_plane_of_the_bands_lose_the_stage(lead: Rig, monkeypat
     assert not leadlag_experiments.circle(finite.with_finite_matrix(lead, as_built=False).ideal).run.faults.any()
 
 
-@pytest.mark.parametrize(
-    ("parameter", "factor", "experiment", "caught"),
-    [
-        ("turns", 1.25, "standstill", {"noise of x", "noise of y", "noise of phi"}),
-        ("c", 3.0, "step", {"phi moves from the step on"}),
-    ],
-)
-def test_a_plant_that_is_worse_is_caught(
-    lead: Rig, parameter: str, factor: float, experiment: str, caught: set[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    plant = finite_stage.plant()
-    wrong = plant.with_parameters(**{parameter: factor * plant.parameter(parameter).value})
-    monkeypatch.setattr(finite, "with_finite_matrix", lambda loop: replace(loop, plant=wrong))
-    limits = leadlag_experiments.LIMITS
-    e = finite.standstill(lead, "") if experiment == "standstill" else finite.step(lead, "", "x", 20e-6, "", limits)
-    assert failing_checks(e) & caught == caught
-
-
 def test_the_noise_is_the_same_on_both_plants(lead: Rig) -> None:
     first, second = (each.run(0.002, {}, {}) for each in (lead, finite.with_finite_matrix(lead)))
     for name in interface.SENSORS:

@@ -16,7 +16,9 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete
 from synth.verify import agree, standard, suite
+from tests.designs.planar_6dof import planted
 
+DESIGNS = {"leadlag": leadlag.DESIGN, "lqg": lqg.DESIGN}
 SUBJECTS = {"leadlag": leadlag.subject(), "lqg": lqg.subject()}
 PITCH = planar_stage.plant().parameter("l").value
 WHOLE = 5.0  # s of the tour
@@ -113,3 +115,15 @@ def test_decisions_of_single_precision_are_counted() -> None:
 def test_the_tour_starts_at_rest() -> None:
     references = verification.tour(1.0, Discrete(1e-3))
     assert all(abs(values[0]) < 1e-12 and abs(values[1]) < 1e-4 for values in references.values())
+
+
+@pytest.mark.parametrize(("name", "second"), [("leadlag", 1000), ("lqg", 800)])
+def test_every_check_passes(name: str, second: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In 2 s of replay and fewer random steps; `synth verify` replays 60 s, and draws 100,000."""
+    monkeypatch.setattr(standard, "RANDOM_STEPS", 40_000)
+    monkeypatch.setattr(verification, "QUICK_REPLAY", 2.0)
+    messages: list[str] = []
+    evidence = standard.verify(DESIGNS[name], messages.append, False)
+    assert [c for c in evidence.checks if not c.passed] == []
+    assert evidence.design == SUBJECTS[name].block.name and messages
+    planted.require_witnesses(evidence, {"replay of 2 s": 2 * second, "random steps": 40_000})

@@ -7,9 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.planar_6dof import faults, interface, motion
+from designs.planar_6dof import faults, interface
 from designs.planar_6dof import loop as loops
-from designs.planar_6dof_leadlag import control
 from designs.planar_6dof_leadlag.design import DESIGN, subject
 from models import planar_stage
 from synth.fault import BRAKING_BIT, LATCH_BIT
@@ -34,10 +33,6 @@ LEFT = LARGEST_SPEED, LARGEST_YAW_RATE
 @cache
 def rig() -> Rig:
     return loops.of(subject().block)
-
-
-def planted() -> Rig:
-    return loops.of(control.controller(planar_stage.plant()))
 
 
 def on_plant(number: int, amplitude: float = 1.0) -> Rig:
@@ -69,18 +64,6 @@ def test_a_lost_channel_in_motion_leaves_no_speed(channel: str, value: float, pl
     assert latch - first == interface.BAD_SAMPLES + interface.BRAKING - 1
     assert result.faults[first + interface.BAD_SAMPLES - 1] >> BRAKING_BIT & 1
     assert (np.array([r[latch:].max() for r in rates(result)]) < LEFT).all()
-
-
-def test_without_braking_the_platen_coasts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: the braking removes nothing of the rates worth the name."""
-    monkeypatch.setattr(motion, "SHARE", 1e-3)
-    assert rates(run(planted(), "V_ax", 10_000))[0][-1] > LARGEST_SPEED
-
-
-def test_filters_that_do_not_know_the_demands_turn_the_platen(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: a prediction as fast as the filter of the yaw learns the motion that a stuck channel shows."""
-    monkeypatch.setattr(control, "BANDWIDTH", dict.fromkeys(control.BANDWIDTH, 0.17 / control.TIME.period_s))
-    assert (after_sticking(planted(), "V_ay") > LEFT).any()
 
 
 @pytest.mark.parametrize("channel", planar_stage.HALL)

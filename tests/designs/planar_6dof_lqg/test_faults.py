@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.planar_6dof import failures, faults, interface, lqg, motion
+from designs.planar_6dof import failures, faults, interface
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.sensing import sections
 from designs.planar_6dof_lqg.design import DESIGN, subject
@@ -54,24 +54,9 @@ def test_four_bad_samples_in_motion_cost_50_um_at_most(channel: str, speed: Mapp
     assert excursion(healthy, faulty) < 50e-6
 
 
-def test_a_wrong_prediction_does_not_bridge() -> None:
-    """Planted: the acceleration of the prediction has the wrong sign."""
-    block = subject().block
-    off = [replace(c, value=-c.value) if c.name == "reckoning_x_half_step" else c for c in block.constants]
-    wrong = loops.of(replace(block, constants=tuple(off)))
-    healthy, faulty = run(wrong), run(wrong, "V_cy", interface.BAD_SAMPLES - 1)
-    assert healthy.faults.any() or excursion(healthy, faulty) > 5e-6
-
-
 @pytest.mark.parametrize("plant", WRONG_PLANTS)
 def test_four_bad_samples_cost_50_um_at_most_where_torques_are_not_modelled(plant: int) -> None:
     assert campaign_excursions(DESIGN, subject().block, plant).max() < faults.BRIDGED
-
-
-def test_without_the_last_innovation_the_yaw_jumps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: a bad sample takes the predicted yaw as it is."""
-    monkeypatch.setattr(sections, "_bridge", lambda u, *_: {a: u[s.name] for a, s in sections.PREDICTED.items()})
-    assert campaign_excursions(DESIGN, lqg.controller(planar_stage.plant()), WRONG_PLANTS[0]).max() > faults.BRIDGED
 
 
 # Braked
@@ -88,23 +73,9 @@ def test_a_lost_channel_in_motion_leaves_no_speed(channel: str, value: float) ->
     assert speed[latch:].max() < LARGEST_SPEED and yaw[latch:].max() < LARGEST_YAW_RATE
 
 
-def test_without_braking_the_platen_coasts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: the braking removes nothing of the rates worth the name."""
-    monkeypatch.setattr(motion, "SHARE", 1e-3)
-    result = run(loops.of(lqg.controller(planar_stage.plant())), "V_ax", 10_000)
-    assert rates(result)[0][-1] > LARGEST_SPEED
-
-
 @pytest.mark.parametrize("channel", planar_stage.HALL)
 def test_a_stuck_channel_leaves_no_speed(channel: str) -> None:
     assert (after_sticking(rig(), channel).max(axis=0) < (LARGEST_SPEED, LARGEST_YAW_RATE)).all()
-
-
-def test_fast_filters_learn_the_motion_of_a_stuck_channel(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: the poles of the prediction are 0.8."""
-    monkeypatch.setattr(lqg, "BANDWIDTH", dict.fromkeys(lqg.BANDWIDTH, 0.2 / lqg.TIME.period_s))
-    left = after_sticking(loops.of(lqg.controller(planar_stage.plant())), "V_ay")
-    assert (left > (LARGEST_SPEED, LARGEST_YAW_RATE)).any()
 
 
 # The amplitude of all voltages
@@ -124,12 +95,6 @@ def turning(rig: Rig, factor: float, plant: int) -> Trajectory:
 @pytest.mark.parametrize("plant", [0, 1, 3, 6, 8, 14])
 def test_another_amplitude_by_a_tenth_is_no_fault(plant: int, factor: float) -> None:
     assert not turning(rig(), factor, plant).faults.any()
-
-
-def test_without_the_scale_another_amplitude_latches(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: the scale of the voltages stays near 1."""
-    monkeypatch.setattr(sections, "SCALE", replace(sections.SCALE, low=0.99, high=1.01))
-    assert (turning(loops.of(lqg.controller(planar_stage.plant())), 1.1, 8).faults & LATCH).any()
 
 
 def test_an_amplitude_that_jumps_has_its_own_bit_beside_all_six_channels() -> None:

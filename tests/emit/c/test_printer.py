@@ -127,27 +127,6 @@ def text(block: Block, scalar: type[np.floating] = F32) -> str:
     return code[code.index(f"{block.name}_step(") :]
 
 
-def side(code: str, condition: str) -> tuple[str, str]:
-    """Return the two sides of the `if` on a condition, at the outermost level of the step."""
-    match = re.search(
-        rf"^    if \({re.escape(condition)}\) \{{\n(.*?)^    \}}(?: else \{{\n(.*?)^    \}})?$", code, re.M | re.S
-    )
-    assert match, code
-    return match[1], match[2] or ""
-
-
-def test_a_value_that_only_one_side_needs_is_computed_on_that_side() -> None:
-    def law(u: Any, x: Any, k: Any) -> Step:
-        a, b, c = u["a"], u["b"], u["c"]
-        y = ca.if_else(a < b, ca.sqrt(c * c + 1) * 3, ca.fabs(c - a) * b)
-        return Step({"y": y, "z": y * 2}, {"x": ca.if_else(a < b, x["x"], a / 4)})
-
-    code = text(hazards.make("sides", law, "y z", hazards.real("x")))
-    then, other = side(code, "a < b")
-    assert "sqrtf" in then and "fabsf" in other and code.count("sqrtf") == code.count("fabsf") == 1
-    assert "state->x" not in then and "state->x = " in other and code.count("state->") == 1
-
-
 def test_a_choice_reuses_the_variable_of_another_one() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         bad = [u[n] > 1 for n in "abc"]

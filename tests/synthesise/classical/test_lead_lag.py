@@ -11,7 +11,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from synth.analyse.loops import feedback_loop, loop, stability_margins
-from synth.errors import SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
 from synth.synthesise.classical.lead_lag import Compensator
@@ -181,27 +180,6 @@ def test_the_sampled_controller_keeps_the_published_loops_margin_under_the_hold(
     late = feedback_loop.close(loop.sampled(inertia(), T, T / 2), lead_lag.prewarped(paper(), T, W).discrete)
     (crossing,) = stability_margins.of_loop(late.L).gain_crossings
     assert abs(crossing.phase_margin - 71.387) > 3
-
-
-def test_what_is_no_compensator_is_refused() -> None:
-    with pytest.raises(SignalError, match=r"2 zeros but 1 poles, .* add a filter pole"):
-        Compensator(1.0, (-1.0, -2.0), (0.0,))
-    for zeros, poles in (((np.nan,), (0.0,)), ((-1.0,), (np.inf,)), ((-1 + 2j,), (0.0,))):
-        with pytest.raises(SignalError, match=r"give real, finite numbers|each entry a number"):
-            Compensator(1.0, zeros, poles)
-    with pytest.raises(SignalError, match="gain is 0"):
-        Compensator(0.0, (), (0.0,))
-    for constant in (0.0, -0.1, np.nan):
-        with pytest.raises(SignalError, match=r"the time constant .* is not positive"):
-            lead_lag.from_time_constants(1.0, [0.1], [constant])
-    with pytest.raises(SignalError, match="2000 1/s is mapped to infinity by the method tustin"):
-        lead_lag.tustin(Compensator(1.0, (2000.0,), (-1.0,)), T, W)
-    with pytest.raises(TimingError, match=r"not between 0 and Nyquist, 3141.59 rad/s"):
-        lead_lag.prewarped(paper(), T, 3200.0)
-    with pytest.raises(TimingError, match="give the continuous one"):
-        lead_lag.tustin(Compensator(1.0, (), (0.5,), Discrete(T)), T, W)
-    with pytest.raises(TimingError, match="must be finite and positive"):
-        lead_lag.tustin(paper(), -1.0, W)
 
 
 def test_signals_and_units_are_carried_and_printed() -> None:

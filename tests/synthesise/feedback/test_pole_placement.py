@@ -166,31 +166,6 @@ def test_an_uncontrollable_pole_of_rounding_errors_is_printed_as_zero() -> None:
             pole_placement.place(model(V @ A @ V.T, V @ [[0.0], [1.0], [0.0]], Discrete(0.1)), [0.1])
 
 
-@pytest.mark.parametrize(
-    ("poles", "kind", "text"),
-    [
-        ([-1, -2], SignalError, "number of poles for p, q, r is 2: give 3"),
-        ([-1, -2 + 1j, -3], SignalError, r"pole -2\+1i has no conjugate"),
-        ([-1, -2 + 1j, -2 - 1.1j], SignalError, r"pole -2\+1i has no conjugate"),
-        ([-1, -2, -2 - 1j], SignalError, "pole -2-1i has no conjugate"),
-        ([-1, -2, np.nan], SignalError, "give a list of finite numbers"),
-        ([[-1, -2, -3]], SignalError, "give a list of finite numbers"),
-        (["a", "b", "c"], SignalError, "not a list of numbers"),
-        ([-1, -2, 0], ModelError, "pole 0 does not decay: ask for poles with a negative real part"),
-    ],
-)
-def test_what_cannot_be_asked_for(poles: list[complex], kind: type[Exception], text: str) -> None:
-    A, B = pair(7, 3, 1)
-    with pytest.raises(kind, match=text):
-        pole_placement.place(model(A, B), poles)
-
-
-def test_sampled_poles_belong_inside_the_circle() -> None:
-    A, B = pair(8, 2, 1)
-    with pytest.raises(ModelError, match=r"pole 1 does not decay: ask for poles with \|z\| < 1"):
-        pole_placement.place(model(A, B, Discrete(0.1)), [1, 0.5])
-
-
 def test_poles_that_double_precision_does_not_resolve_are_refused() -> None:
     A, B = pair(9, 5, 1)
     steep = np.linalg.matrix_power(A, 3) * 1e3
@@ -198,19 +173,6 @@ def test_poles_that_double_precision_does_not_resolve_are_refused() -> None:
         pole_placement.place((steep, B), [-1.0] * 5)
     with pytest.raises(ModelError, match=r"within 1\.\de-02, -1 as -"):  # stable, and 1 % off
         pole_placement.place(pair(16, 7, 1), [-1.0] * 7)
-
-
-def test_any_system_is_read_and_the_result_prints_itself() -> None:
-    A, B = pair(10, 3, 2)
-    native = model(A, B)
-    arrays = pole_placement.place((A, B), [-1, -2, -3])
-    for system in (native, native.to_control()):
-        placement = pole_placement.place(system, [-1, -2, -3])
-        np.testing.assert_array_equal(placement.K, arrays.K)
-        assert placement.states == native.states
-        text = repr(placement)
-        assert "Poles asked for: -3, -2, -1" in text
-        assert all(name in text for name in "pqrfg")
 
 
 def test_many_poles_take_few_turns_and_the_better_gain_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:

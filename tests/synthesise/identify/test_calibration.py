@@ -96,15 +96,6 @@ def test_corrections_are_added_to_the_model() -> None:
         calibration.assess(fit(), log, ripple[:5])
 
 
-def test_what_is_not_known_is_refused() -> None:
-    with pytest.raises(SignalError, match="'scale' is none of gain, offset, place"):
-        fit(free=["scale"])
-    with pytest.raises(ModelError, match="deviation of 'a' is 0"):
-        calibration.calibrate(h, scan(50, 1), PARAMETERS, references={"x": 0.0, "y": 0.0}, readings={"a": 0, "b": 1})
-    with pytest.raises(SignalError, match="missing \\['c'\\]"):
-        calibration.calibrate(h, scan(50, 1), PARAMETERS, references={"x": 0.0, "y": 0.0}, readings={"a": 1, "c": 1})
-
-
 def test_a_parameter_that_the_scan_does_not_determine_is_named() -> None:
     log = scan(200, 1)
     still = Log({**log.samples, "y": np.zeros(200)})

@@ -119,39 +119,6 @@ def test_what_the_data_do_not_determine_is_named() -> None:
     assert least_squares.solve(nearly, y, NAMES[:2]).condition > 1e5, "weak, but determined"
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"y": [1.0, np.nan, 2.0]}, r"row 1 of 'y' is nan"),
-        ({"Phi": [[1.0, 1.0], [2.0, np.inf], [3.0, 1.0]]}, r"row 1 of the regressor of 'c' in 'y' is inf"),
-        ({"y": [1.0, 2.0]}, r"need \(N, 1, 2\)"),
-        ({"Phi": [[1.0, 1.0], [2.0, 1.0]], "y": [1.0, 2.0]}, r"2 equations are too few for 2 parameters .* log 1 or"),
-        ({"level": 95.0}, r"confidence level is 95"),
-        ({"noise": {"y": 0.0}}, r"the noise of 'y' is 0"),
-        ({"noise": {"z": 1.0}}, r"a noise is given for 'z', which is not one of the outputs y"),
-        ({"noise": {}}, r"the noise of 'y' is None"),
-        ({"noise": {"y": None}}, r"`noise` of .* is \{'y': None\}"),
-        ({"noise": 0.1}, r"`noise` of .* is 0\.1: give a mapping"),
-        ({"level": "x"}, r"`level` of .* is 'x': give a number"),
-        ({"y": ["a", "b", "c"]}, r"the outputs are no real numbers"),
-        ({"y": [1.0, 2.0, 2.5j]}, r"the outputs are no real numbers \(they are complex\)"),
-        ({"Phi": np.ones((3, 2)) * 1j}, r"the regressors are no real numbers \(they are complex\)"),
-        ({"y": np.ma.array([1.0, 2.0, 2.5], mask=[0, 1, 0])}, r"`y` of .* is a masked array"),
-        ({"parameters": ()}, r"no parameters are named"),
-        ({"parameters": ("k", "k")}, r"'k' is listed twice among the parameters"),
-        ({"parameters": "kc"}, r"`parameters` of .* is 'kc': give a list of names"),
-        ({"Phi": np.zeros((0, 2)), "y": []}, r"0 equations are too few"),
-        ({"y": [1e-200, 2e-200, 2.5e-200]}, r"the output 'y' has the size 2\.5e-200: choose units"),
-        ({"Phi": np.array([[1.0, 1e200], [2.0, 1.0], [3.0, 1.0]])}, r"the regressors reach 1e\+200"),
-    ],
-)
-def test_data_without_sense_are_refused_by_name(change: dict[str, object], message: str) -> None:
-    given_as = {"Phi": [[1.0, 1.0], [2.0, 1.0], [3.0, 1.0]], "y": [1.0, 2.0, 2.5], "parameters": ("k", "c")}
-    least_squares.solve(**given_as)
-    with pytest.raises(SignalError, match=message):
-        least_squares.solve(**{**given_as, **change})
-
-
 def test_an_estimate_answers_by_name() -> None:
     estimate = least_squares.solve([[1.0], [2.0], [3.0]], [1.0, 2.0, 3.1], ("k",))
     assert estimate["k"] == estimate.values[0]

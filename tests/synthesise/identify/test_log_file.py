@@ -51,17 +51,6 @@ def test_what_is_malformed_is_refused_with_its_line(text: str, message: str) -> 
     assert f"scan.csv, {message}" in str(refused.value)
 
 
-def test_a_text_without_columns_is_refused() -> None:
-    with pytest.raises(SignalError, match="line 1: there are no columns: begin with names and units"):
-        log_file.parse("# nothing\n", {})
-
-
-@pytest.mark.parametrize("unit", ["mm", "inch", ""])
-def test_what_is_wanted_is_in_si_units(unit: str) -> None:
-    with pytest.raises(SignalError, match=f"'X' is asked for in '{unit}': logs are in SI units, give one of m, rad"):
-        log_file.parse("X [m]\n1\n", {"X": unit})
-
-
 def test_files(tmp_path: Path) -> None:
     file = tmp_path / "scan.csv"
     with pytest.raises(DesignError, match=r"scan\.csv cannot be read: No such file"):

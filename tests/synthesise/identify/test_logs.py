@@ -17,25 +17,6 @@ def test_columns_come_by_name() -> None:
         Log({"a": [1.0]}).period()
 
 
-@pytest.mark.parametrize(
-    ("samples", "message"),
-    [
-        ({"a": [1.0, np.nan]}, r"row 1 of 'a' is nan: leave the row out"),
-        ({"a": [1.0, 2.0], "b": [1.0]}, r"1 samples of 'b' and 2 of 'a'"),
-        ({"a": [[1.0]]}, r"shape \(1, 1\)"),
-        ({"a": ["x"]}, r"'a' are no real numbers"),
-        ({"a": [1.0, 1j]}, r"'a' are no real numbers \(they are complex\)"),
-        ({"a": np.ma.array([1.0, 2.0], mask=[0, 1])}, r"'a' are no real numbers \(some are masked"),
-        ({"a": []}, r"no sample of 'a'"),
-        ([[1.0]], r"the log is a list: give samples by name"),
-        ({}, r"contains no signal"),
-    ],
-)
-def test_samples_without_sense_are_refused(samples: dict[str, object], message: str) -> None:
-    with pytest.raises(SignalError, match=message):
-        Log(samples)
-
-
 def test_rows_that_are_not_one_period_apart_are_named() -> None:
     times = np.arange(6) * 1e-3
     times[4:] += 1e-3

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 import scipy.integrate
 
-from synth.errors import SignalError, TimingError
 from synth.plant import Plant, build
 from synth.signals import Parameter, Signal
 from synth.synthesise.identify import bordered, trajectory
@@ -90,33 +89,3 @@ def test_spans_start_from_states_of_their_own() -> None:
         single.simulate(np.concatenate([[2.0], single.starts.ravel()]))[0],
         rtol=tolerances.of("double"),
     )
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"measured": ("y",)}, "'y' is not an output or state of plant 'pendulum': it has x, v, s"),
-        ({"initial": {"s": 1.0}}, "'s' is not a state"),
-        ({"free": ("w",)}, "'w' is not a state"),
-        ({"span": 0}, "the span is 0 samples"),
-        ({"span": 60}, "the span is 60 samples: give 1 or more, and fewer than the log's 60 rows"),
-        ({"span": 3, "free": ("x",)}, "initial states of spans are all estimated"),
-        ({"span": 1.5}, "the span is 1.5: give a whole number"),
-        ({"initial": {"x": np.nan}}, "the initial value of 'x' is nan"),
-        ({"initial": {"x": "a"}}, "initial value of 'x' are no real numbers"),
-        ({"substeps": 0}, "0 Runge-Kutta steps"),
-        ({"substeps": 1.5}, "the number of Runge-Kutta steps is 1.5: give a whole number"),
-    ],
-)
-def test_requests_without_sense_are_refused(change: dict[str, object], message: str) -> None:
-    given_as = {"measured": ("s",), "span": None, "initial": {}, "free": (), "substeps": 1} | change
-    with pytest.raises(SignalError, match=message):
-        trajectory.problem(pendulum(), log(), ("w",), *given_as.values())
-
-
-def test_a_log_without_period_or_state_is_refused() -> None:
-    with pytest.raises(TimingError, match="no sample period"):
-        trajectory.problem(pendulum(), Log(log().samples), ("w",), ("s",), None, {}, (), 1)
-    with pytest.raises(SignalError, match="no signal 'x'"):
-        without = Log({name: v for name, v in log().samples.items() if name != "x"}, 0.02)
-        trajectory.problem(pendulum(), without, ("w",), ("s",), None, {}, (), 1)

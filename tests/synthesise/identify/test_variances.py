@@ -84,13 +84,3 @@ def coverage(rows: int, noise: tuple[float, float], logs: int) -> float:
 def test_intervals_from_few_rows_cover(rows: int, noise: tuple[float, float]) -> None:
     """120 logs: the share has a standard deviation of at most 2 %; 91 to 95 % were found over 4 to 15 rows."""
     assert coverage(rows, noise, 120) > 0.87
-
-
-def test_weights_taken_for_known_do_not_cover(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: the estimated weights count as given, with N p - k degrees of freedom."""
-
-    def naive(U: np.ndarray, Q: np.ndarray, root: np.ndarray) -> variances.Confidence:
-        return variances.Confidence(root @ root.T, np.full(len(root), 2.0 * len(U) - len(root)))
-
-    monkeypatch.setattr(variances, "confidence", naive)
-    assert coverage(4, (0.1, 0.1), 80) < 0.85

@@ -9,7 +9,7 @@ import pytest
 from synth.block import Block, unranged
 from synth.blocks.laws import linear_block
 from synth.emit import write
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import SignalError
 from synth.execute import host
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace
@@ -178,29 +178,3 @@ def test_the_start_is_limited_to_the_ranges() -> None:
     result = by_casadi(estimator_block(model, start), u)
     x = np.clip(start.a + start.G @ u[0], -np.array([1, 100, 2, 100]), [1, 100, 2, 100])
     np.testing.assert_allclose(result[0], np.clip(model.C @ x + model.D @ u[0], -1e9, 1e9), atol=1e-12)
-
-
-def test_what_does_not_fit_is_refused() -> None:
-    model, plant = FILTER.current(), FILTER.model
-    with pytest.raises(SignalError, match="'speed_estimate' or 'speed_predicted' is missing"):
-        estimator_start.from_measurement(model.renamed({"speed_predicted": "v"}), plant)
-    with pytest.raises(SignalError, match="'there' is not an output of the plant that the estimator takes: near, far"):
-        estimator_start.from_measurement(model, plant, ["there"])
-    with pytest.raises(SignalError, match="none of which is an output of the plant"):
-        estimator_start.from_measurement(model.renamed({"near": "a", "far": "b"}), plant)
-    for bad in ({"gap": np.nan}, {"height": 1.0}, [1.0]):
-        with pytest.raises(SignalError, match=r"the start has the values|`values` of `estimator_start"):
-            estimator_start.from_measurement(model, plant, values=bad)  # type: ignore[arg-type]
-    with pytest.raises(SignalError, match="deviation of 'tilt' at the start is below 0"):
-        estimator_start.from_measurement(model, plant, deviations={"tilt": -1.0})
-    with pytest.raises(ModelError, match="near, far are linearly dependent in the states that may change"):
-        estimator_start.from_measurement(model, plant, deviations={"tilt": 0.0})
-    with pytest.raises(TimingError, match="meets"):
-        estimator_start.from_measurement(model, PLANT)
-    start = estimator_start.from_measurement(model, plant)
-    with pytest.raises(
-        SignalError, match=r"the start is \(4,\) and \(4, 2\): give finite numbers of \(4,\) and \(4, 3\)"
-    ):
-        estimator_block(model, replace(start, G=start.G[:, :2]))
-    with pytest.raises(SignalError, match=r"`start` of `linear_block.block` is an array of .*: give a Start"):
-        estimator_block(model, np.zeros(4))  # type: ignore[arg-type]

@@ -241,14 +241,6 @@ def test_a_filter_prints_its_deviations_with_units() -> None:
     assert "before" not in repr(kalman.continuous(mass(), {"v": 1e-3}, [25e-13]))
 
 
-def test_arrays_and_python_control_systems_are_models() -> None:
-    m = mass()
-    arrays = (m.A, m.B, m.C, m.D)
-    want = kalman.continuous(m, [0, 1e-3], [25e-13]).L
-    for system in (arrays, [*arrays, 0], m.to_control()):
-        np.testing.assert_array_equal(kalman.continuous(system, [0, 1e-3], [25e-13]).L, want)
-
-
 def test_inputs_named_as_noise_are_not_known_to_the_filter() -> None:
     by_name, by_matrix = (kalman.continuous(mass(), W, [25e-13], G) for W, G in (({"f": 1.0}, "f"), ([1.0], mass().B)))
     np.testing.assert_array_equal(by_name.L, by_matrix.L)

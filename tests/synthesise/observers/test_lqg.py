@@ -1,6 +1,5 @@
 """Separation, the compensator's matrices, and stationary covariances."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +8,8 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import StateSpace, of
+from synth.errors import ModelError
+from synth.statespace import of
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, lqg, noise
 from synth.timing import Continuous, Discrete, Time
@@ -150,42 +149,9 @@ def test_controllers_print_themselves() -> None:
     assert "y_reference [m]" in repr(loop)
 
 
-def gain_of(model: StateSpace) -> lqr.Gain:
-    return lqr.lqr(model, np.eye(len(model.A)), np.eye(model.B.shape[1]))
-
-
-@pytest.mark.parametrize(
-    ("make", "error", "message"),
-    [
-        (lambda: lqg.predictor(gain_of(mass()), held_mass()), TimingError, "discretise or resample"),
-        (lambda: lqg.current(gain_of(mass().renamed({"x": "z"})), continuous_mass()), SignalError, "'x' is not both"),
-        (lambda: lqg.current(gain_of(mass().renamed({"f": "g"})), continuous_mass()), SignalError, "'g' is not both"),
-        (
-            lambda: lqg.predictor(lqr.lqrd(mass(), np.eye(2), [1.0], T), kalman.kalmd(mass(), [1.0], [1.0], T, ["f"])),
-            SignalError,
-            r"input 'f' is not both .* has no inputs: if the G .* column of B instead, `G=B\[:, \[0\]\]`, and it stays",
-        ),
-        (
-            lambda: lqg.current(
-                gain_of(lqr.with_integrators(mass(), ("y",)).renamed({"y_integral": "q"})), continuous_mass()
-            ),
-            SignalError,
-            "'q' is not both in the gain and in the estimator's model",
-        ),
-    ],
-)
-def test_what_does_not_fit_is_refused(make: Callable[[], object], error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=message):
-        make()
-
-
 def test_a_control_whose_column_of_B_is_G_stays_an_input() -> None:
     estimator = kalman.kalmd(mass(), [1.0], [1.0], T, mass().B[:, [0]])
     named = kalman.kalmd(mass(), [1.0], [1.0], T, ["f"])
     np.testing.assert_array_equal(estimator.L, named.L)
     loop = lqg.predictor(lqr.lqrd(mass(), np.eye(2), [1.0], T), estimator)
     assert loop.compensator.outputs == ("f",) and loop.separation < tolerances.of("double") * 1e2
-
-
-def continuous_mass() -> kalman.Estimator:
-    return kalman.continuous(mass(), [1e-3], [25e-13], G=mass().B)

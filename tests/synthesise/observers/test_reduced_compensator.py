@@ -11,7 +11,7 @@ from scipy.optimize import linear_sum_assignment
 
 from synth.analyse import discretise
 from synth.analyse.loops import interconnect
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import ModelError
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import reduced_compensator, reduced_observer
@@ -96,21 +96,6 @@ def test_the_planar_loop_separates_and_is_the_one_of_33(p: float) -> None:
     assert farthest(compensator.poles, both) < tolerances.of("double")
     assert compensator.separation < 8e-15
     assert round(float(np.abs(compensator.poles).max()), 5) == 0.94562
-
-
-def defective(kind: str) -> reduced_observer.ReducedObserver:
-    good = reduced_observer.from_gain(HELD, (*POSITIONS, *INTEGRALS), speed_gain(0.3))
-    part, L, F = good.partition, good.L, good.F
-    if kind == "G":
-        return replace(good, G=F @ L + part.A21 + L @ part.A11)
-    if kind == "H":
-        return replace(good, H=part.B2 + L @ part.B1)
-    return replace(good, from_x1=good.from_x1 * np.where(np.arange(9) < 6, 1.0, -1.0)[:, None])
-
-
-@pytest.mark.parametrize("kind", ["G", "H", "x2^ = x3 - L x1"])
-def test_a_planted_defect_spoils_the_separation(kind: str) -> None:
-    assert reduced_compensator.compensator(defective(kind), -K49).separation > 1e-6
 
 
 def misapplied_equation(psi: Array, theta: Array) -> Array:
@@ -251,25 +236,6 @@ def test_a_sample_of_delay_belongs_to_the_plant() -> None:
         by_poles(late, known, [0.2, 0.2, 0.2]),
     ):
         assert reduced_compensator.compensator(observer, gain.K).separation < tolerances.of("double")
-
-
-def test_what_makes_no_compensator() -> None:
-    observer = by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
-    gain = lqr.lqr(PLAIN, np.eye(6), np.eye(3)).K
-    with pytest.raises(SignalError, match=r"the gain K is \(3, 5\): .* need a finite one of \(3, 6\)"):
-        reduced_compensator.compensator(observer, gain[:, :5])
-    with pytest.raises(SignalError, match="need a finite one"):
-        reduced_compensator.compensator(observer, gain * np.nan)
-    with pytest.raises(ModelError, match=r"u = K x leaves the poles .* with the sign inside K"):
-        reduced_compensator.compensator(observer, -gain)
-    other = StateSpace([[1]], [[1]], [[1]], [[0]], ("z",), ("iA_late1",), ("z",), Discrete(T))
-    with pytest.raises(SignalError, match="'iA_late1', an input of the computed states, is not known"):
-        reduced_compensator.compensator(observer, gain, other)
-    with pytest.raises(TimingError, match="meets"):
-        reduced_compensator.compensator(observer, gain, replace(other, time=Discrete(2 * T)))
-    twice = interconnect.integrals(PLAIN, {"d": "x"})
-    with pytest.raises(SignalError, match="a name is listed twice among the states"):
-        reduced_compensator.augmented(observer, twice)
 
 
 def test_an_input_that_acts_on_itself_at_once_without_a_solution() -> None:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synth.analyse import discretise
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError
 from synth.statespace import Array, StateSpace
 from synth.synthesise.observers import reduced_observer, reduced_partition
 from synth.synthesise.observers.reduced_observer import ReducedObserver
@@ -92,21 +92,6 @@ def test_estimates_converge_to_the_states_as_the_poles_say(measured: Sequence[st
     np.testing.assert_allclose(np.sort(observer.poles.real), spread_poles(count), rtol=tolerances.of("placed"))
 
 
-@pytest.mark.parametrize("name", ["sign of L A11", "sign of F L", "A21 left out", "B2 + L B1", "sign of L A12"])
-def test_a_planted_defect_of_the_recursion_is_seen(name: str) -> None:
-    for model, measured in ((random_model(3), ("y0", "x2")), (HELD, ("x",))):
-        good = by_poles(model, measured, spread_poles(len(model.A) - len(measured)))
-        if name == "A21 left out" and model is HELD:  # whose A21 is 0
-            continue
-        assert np.abs(misses(good)[-1]).max() < tolerances.of("settled")
-        assert np.abs(misses(defects(good)[name])[-1]).max() > 1e-4
-
-
-def test_a_direct_path_that_is_forgotten_is_seen() -> None:
-    good = by_poles(random_model(4), ("y0", "y1"), spread_poles(3))
-    assert np.abs(misses(defects(good)["y for y - D u"])[5:]).max() > 1e-3
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_a_continuous_observer_follows_every_input_without_error(seed: int) -> None:
     """From u the estimates respond as the states do, at every s; the error alone decays with the poles."""
@@ -152,29 +137,6 @@ def test_coordinates_are_as_well_conditioned_in_any_units() -> None:
     np.testing.assert_allclose(first.M @ first.inverse, np.eye(5), atol=tolerances.of("double"))
 
 
-@pytest.mark.parametrize(
-    ("measured", "kind", "text"),
-    [
-        ((), SignalError, "measured signals are none: name one or more"),
-        (3, SignalError, "`measured` of .* is 3: give a list of names"),
-        (("y0", "y0"), SignalError, "y0, y0: name one or more, each once"),
-        (("q",), SignalError, "'q' is neither output nor state: take one of y0, y1, y2, y3, x0"),
-        (("y0", "y1", "y2"), ModelError, "y0, y2 depend on each other"),
-        (("y0", "y3"), ModelError, "y3 shows no state: its row of C is 0"),
-        (
-            ("x0", "x1", "x2", "x3", "x4"),
-            ModelError,
-            "determine all of x0, x1, x2, x3, x4: nothing is left to estimate",
-        ),
-    ],
-)
-def test_measured_signals_that_make_no_observer(measured: Sequence[str], kind: type[Exception], text: str) -> None:
-    model = random_model(5, p=4)
-    C = np.array([model.C[0], model.C[1], 1e-6 * model.C[0], 0 * model.C[0]])
-    with pytest.raises(kind, match=text):
-        reduced_observer.from_gain(replace(model, C=C), measured, [[1.0]])
-
-
 def test_a_mode_that_is_not_shown_is_named() -> None:
     A = np.array([[0.9, 0.1, 0.1], [0, 0.5, 0], [0, 0, 1.0]])
     C = np.array([[1.0, 0, 0], [0, 0, 1]])
@@ -185,21 +147,6 @@ def test_a_mode_that_is_not_shown_is_named() -> None:
         by_poles(model, "p", [0.1, 0.2])
     stays = by_poles(model, ("p", "r"), [])
     np.testing.assert_array_equal(stays.poles, [0.5])
-
-
-@pytest.mark.parametrize(
-    ("L", "kind", "text"),
-    [
-        ([[0.0]], ModelError, r"observer of v with this gain has the poles 1: .* which needs \|z\| < 1"),
-        ([[2 / T]], ModelError, "has the poles -1: its error does not decay"),
-        ([[201.0]], ModelError, "has the poles -1.01: its error does not decay"),
-        ([[1.0, 2.0]], SignalError, r"the gain L is \(1, 2\): v from x need \(1, 1\)"),
-        ([[np.inf]], SignalError, "the gain L has inf for v from x"),
-    ],
-)
-def test_a_given_gain_is_certified(L: list[list[float]], kind: type[Exception], text: str) -> None:
-    with pytest.raises(kind, match=text):
-        reduced_observer.from_gain(HELD, "x", L)
 
 
 def test_a_given_gain_in_continuous_time() -> None:
@@ -214,35 +161,6 @@ def test_a_late_input_is_estimated_or_measured() -> None:
     known = by_poles(late, ("x", "i_late1"), [0.3])
     assert (observer.estimated_states, known.estimated_states) == (("v", "i_late1"), ("v",))
     assert max(np.abs(misses(o)[-1]).max() for o in (observer, known)) < tolerances.of("settled")
-
-
-def test_any_system_is_read_and_the_result_prints_itself() -> None:
-    model = random_model(8)
-    arrays = (model.A, model.B, model.C, model.D, model.time)
-    first = by_poles(model, ("y0", "y1"), spread_poles(3))
-    for system, measured in ((model.to_control(), ("y0", "y1")), (arrays, ("y1", "y2"))):
-        observer = reduced_observer.from_gain(system, measured, first.L)
-        np.testing.assert_array_equal(observer.F, first.F)
-    text = repr(by_poles(HELD, "x", [0.25]))
-    assert "Reduced-order observer of v from x, discrete time of 0.01 s" in text
-    assert "Poles of the error: 0.25" in text
-    assert "v [m/s]" in text and "next v_x3" in text
-    assert "d/dt v_x3" in repr(reduced_observer.from_gain(CART, "x", 5))
-
-
-@pytest.mark.parametrize("time", [Continuous(), Discrete(T)])
-def test_a_model_without_states_has_nothing_to_estimate(time: Continuous | Discrete) -> None:
-    none = np.zeros((0, 0))
-    model = StateSpace(none, np.zeros((0, 1)), np.zeros((1, 0)), [[0.0]], (), ("u",), ("y",), time)
-    with pytest.raises(ModelError, match="the model has no states: nothing is left to estimate"):
-        reduced_observer.from_gain(model, "y", [[1.0]])
-
-
-@pytest.mark.parametrize("measured", [np.array([["y1"]]), [["y1"]], np.array([[1.0, 2.0]]), [None]])
-def test_measured_signals_in_a_matrix_are_refused(measured: list[str]) -> None:
-    plant = ([[0, 1.0], [0, 0]], [[0], [1.0]], [[1.0, 0]])
-    with pytest.raises(SignalError, match=r"`measured` of .*: give a list of names"):
-        reduced_observer.from_gain(plant, measured, [[1.0]])
 
 
 @pytest.mark.parametrize("g", [1e3, 1e6])

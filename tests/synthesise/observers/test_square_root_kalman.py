@@ -1,6 +1,5 @@
 """The recursion against rational arithmetic, least squares on all data at once, and the steady-state filter."""
 
-from collections.abc import Callable
 from fractions import Fraction
 
 import mpmath
@@ -10,10 +9,10 @@ import scipy.linalg
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace, of
 from synth.synthesise.observers import kalman, square_root_kalman
-from synth.timing import Continuous, Discrete
+from synth.timing import Discrete
 from tests import tolerances
 
 Array = np.ndarray
@@ -61,22 +60,6 @@ def test_a_start_of_no_knowledge_keeps_fourteen_digits() -> None:
         now = square_root_kalman.predict(now, m, W)
         P = product(product(A, P), [list(row) for row in zip(*A, strict=True)])
         P = [[P[i][j] + exact_W[i][j] for j in range(3)] for i in range(3)]
-
-
-def test_the_textbook_update_loses_that_start() -> None:
-    """(I - K C) P in double precision, so that the test above has something to see."""
-    m, W = chain()
-    P = 1e8 * np.eye(3)
-    for _ in range(3):
-        K = P @ m.C.T / (m.C @ P @ m.C.T + 25e-10)
-        P = m.A @ (P - K @ m.C @ P) @ m.A.T + W
-    K = P @ m.C.T / (m.C @ P @ m.C.T + 25e-10)
-    wrong = P - K @ m.C @ P
-    now = square_root_kalman.initial(m, 1e8 * np.eye(3))
-    for _ in range(3):
-        now = square_root_kalman.predict(square_root_kalman.update(now, m, [25e-10], [0.0]), m, W)
-    right = square_root_kalman.update(now, m, [25e-10], [0.0]).P
-    assert np.abs(np.diag(wrong) / np.diag(right) - 1).max() > 1e-6
 
 
 def least_squares(
@@ -200,88 +183,6 @@ def test_an_estimate_prints_names_units_and_deviations() -> None:
     text = repr(square_root_kalman.initial(model(), [4e-6, 1.0], {"x": 1e-3, "v": 0.0}))
     assert "x [m]" in text
     assert "0.002" in text
-
-
-@pytest.mark.parametrize(
-    ("make", "error", "message"),
-    [
-        (lambda: square_root_kalman.initial(model(), [1, -1]), SignalError, "P has the eigenvalue -1"),
-        (
-            lambda: square_root_kalman.initial(model(), [1, 1], ["a", "b"]),
-            SignalError,
-            "the values of x are no real numbers",
-        ),
-        (lambda: square_root_kalman.initial(model(), [1, 1], {"x": 1}), SignalError, "x is given for x: 'v'"),
-        (
-            lambda: square_root_kalman.update(
-                square_root_kalman.initial(model(), [1, 1]), model(), [1, 1, 1], {"gap": np.nan}
-            ),
-            SignalError,
-            "leave out a sample",
-        ),
-        (
-            lambda: square_root_kalman.update(
-                square_root_kalman.initial(model(), [1, 1]), model(), [1, 1, 1], {"tilt": 1}
-            ),
-            SignalError,
-            "'tilt' is not one",
-        ),
-        (
-            lambda: square_root_kalman.update(
-                square_root_kalman.initial(model(), [1, 1]), model(), [1, 1, 1], [1, 2], [0]
-            ),
-            SignalError,
-            "y is ",
-        ),
-        (
-            lambda: square_root_kalman.predict(square_root_kalman.initial(model(), [1, 1]), model(), [[1, 2], [2, 1]]),
-            SignalError,
-            "W has the eigenvalue",
-        ),
-        (
-            lambda: square_root_kalman.predict(square_root_kalman.initial(model(), [1, 1]), chain()[0], np.eye(3)),
-            SignalError,
-            "the model of x1, x2, x3",
-        ),
-        (
-            lambda: square_root_kalman.predict(square_root_kalman.initial(of((1, 1)), [1]), (1, 1, Continuous()), [1]),
-            TimingError,
-            "continuous",
-        ),
-    ],
-)
-def test_what_does_not_fit_is_refused(make: Callable[[], object], error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=message):
-        make()
-
-
-def test_arrays_and_python_control_systems_are_models() -> None:
-    m, W = chain()
-    arrays = (m.A, np.zeros((3, 1)), m.C, [[0.0]], 1e-3)
-    want = square_root_kalman.update(
-        square_root_kalman.predict(square_root_kalman.initial(m, np.eye(3)), m, W), m, [1e-4], [1.0]
-    )
-    for system in (arrays, of(arrays).to_control()):
-        start = square_root_kalman.initial(of(arrays), np.eye(3))
-        names = dict(zip(of(system).states, start.states, strict=True))
-        now = square_root_kalman.StateEstimate(start.x, start.root, tuple(names), {})
-        now = square_root_kalman.update(square_root_kalman.predict(now, system, W), system, [1e-4], [1.0])
-        np.testing.assert_array_equal(now.x, want.x)
-
-
-@pytest.mark.parametrize("wrong", [np.array([1 + 2j]), [1 + 2j], np.array([1 + 0j])])
-def test_complex_values_are_refused(wrong: object) -> None:
-    """An imaginary part must not get lost on the way."""
-    plant = of((0.5, 1.0, 1.0, 0.0, Discrete(0.1)))
-    start = square_root_kalman.initial(plant, [1.0])
-    for make in (
-        lambda: square_root_kalman.initial(plant, [1.0], wrong),
-        lambda: square_root_kalman.predict(start, plant, [1.0], wrong),
-        lambda: square_root_kalman.update(start, plant, [1.0], wrong),
-        lambda: square_root_kalman.update(start, plant, [1.0], {"y1": 1 + 2j}),
-    ):
-        with pytest.raises(SignalError, match=r"complex|`y` of .* is .*2j"):
-            make()
 
 
 def test_a_model_without_states_is_believed() -> None:

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from synth.errors import SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.regulation import anti_windup, leapfrog_form, optimal_servo, servo
-from synth.timing import Continuous, Discrete
+from synth.timing import Continuous
 from tests import tolerances
 
 T = 5e-4
@@ -59,16 +58,3 @@ def test_rounded_to_single_precision_the_modes_stay_where_they_are() -> None:
     poles = np.linalg.eigvals(leapfrog.A.astype(np.float32).astype(float))
     assert np.abs(np.abs(poles) - 1).max() < 6e-8
     assert np.abs(np.angle(poles)).max() == pytest.approx(HUM * T, rel=1e-6)
-
-
-def test_what_has_no_such_form_is_refused() -> None:
-    servo_regulator = regulator()
-    with pytest.raises(SignalError, match="give one that begins with xi1, xi2, xi3"):
-        leapfrog_form.controller(servo_regulator, servo_regulator.controller.renamed({"xi1": "other"}))
-    with pytest.raises(TimingError, match="meets"):
-        leapfrog_form.controller(servo_regulator, StateSpace(*[np.zeros((0, 0))] * 4, (), (), (), Discrete(1.0)))
-    ramp = optimal_servo.lqrd(AXIS, {0.0: 2}, np.ones(4), [1.0], T)
-    with pytest.raises(SignalError, match="a mode that grows or counts more than once"):
-        leapfrog_form.controller(ramp)
-    with pytest.raises(TimingError):
-        leapfrog_form.controller(optimal_servo.lqr(AXIS, (0.0,), np.ones(3), [1.0]))

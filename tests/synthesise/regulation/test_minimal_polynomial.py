@@ -71,12 +71,6 @@ def test_the_polynomial_vanishes_at_the_matrix_and_none_of_lower_degree_does() -
     assert np.linalg.matrix_rank(np.array([M.ravel() for M in powers[:-1]])) == len(p) - 1
 
 
-@pytest.mark.parametrize("S", [np.zeros((2, 3)), np.zeros((0, 0)), [[np.nan]], "text"])
-def test_what_is_no_square_matrix_is_refused(S: object) -> None:
-    with pytest.raises(SignalError, match=r"give a(n array of real numbers| matrix| square matrix)"):
-        minimal_polynomial.roots(S)
-
-
 def test_modes_that_are_not_nilpotent_on_any_group_are_not_guessed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(minimal_polynomial, "ENTRY_ROUNDING", -1.0)
     with pytest.raises(SignalError, match="not determined in double precision: give frequencies"):

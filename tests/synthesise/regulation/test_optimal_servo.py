@@ -8,7 +8,7 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.errors import SignalError, TimingError
+from synth.errors import SignalError
 from synth.statespace import StateSpace
 from synth.synthesise.regulation import internal_model, optimal_servo, servo
 from synth.timing import Continuous, Discrete
@@ -90,18 +90,3 @@ def test_weights_are_given_by_name_and_exact_gains_agree() -> None:
     np.testing.assert_allclose(regulator.K, exact.K, rtol=tolerances.of("lyapunov"))
     with pytest.raises(SignalError, match="names 'xi2_gap', which is not one of a, b, c, xi1_gap, xi1_tilt"):
         optimal_servo.lqrd(c, (0.0,), {"xi2_gap": 1.0}, [1.0, 1.0], 0.1)
-
-
-def test_time_is_a_type() -> None:
-    c = plant(np.random.default_rng(2))
-    with pytest.raises(TimingError, match=r"continuous time meets discrete time of 0\.1 s"):
-        optimal_servo.lqrd(replace(c, time=Discrete(0.1)), (0.0,), np.eye(5), np.eye(2), 0.1)
-    with pytest.raises(TimingError, match="finite and positive"):
-        optimal_servo.lqrd(c, (0.0,), np.eye(5), np.eye(2), 0.0)
-
-
-def test_any_form_of_system_is_read() -> None:
-    c = plant(np.random.default_rng(2))
-    regulator = optimal_servo.lqrd((c.A, c.B, c.C, c.D), (0.0,), np.eye(5), np.eye(2), 0.1)
-    again = optimal_servo.lqrd(c.to_control(), (0.0,), np.eye(5), np.eye(2), 0.1)
-    np.testing.assert_array_equal(regulator.K, again.K)

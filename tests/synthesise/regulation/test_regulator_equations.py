@@ -47,12 +47,3 @@ def test_a_zero_is_found_in_sampled_plants_and_off_the_axis() -> None:
     )  # (s - 0.5) / (s + 1)
     with pytest.raises(ModelError, match=r"transmission zero at 0\.5 1/s, a mode"):
         regulator_equations.require_solvable(right, [minimal_polynomial.Mode(0.5 + 0j, 1)])
-
-
-def test_other_reasons_are_named() -> None:
-    model = coupled_plant()
-    with pytest.raises(ModelError, match=r"2 outputs \(y1, y2\) cannot be regulated by 1 inputs \(u1\)"):
-        regulator_equations.require_solvable(model.select(("y1", "y2"), ("u1",)), modes(0.0))
-    loose = StateSpace(np.diag([-1.0, 1.0]), [[1], [0]], [[1, 1]], [[0]], ("a", "b"), ("u",), ("y",), Continuous())
-    with pytest.raises(ModelError, match=r"not stabilisable: mode 1 in b"):
-        regulator_equations.require_solvable(loose, modes(0.0))

@@ -258,28 +258,6 @@ def test_other_plants_must_have_the_signals() -> None:
     assert regulator.steady_error_with(slower).vanishes  # an actuator that the design did not know
 
 
-def test_a_plant_that_cannot_be_regulated_is_refused() -> None:
-    notched = StateSpace(
-        [[0, 1, 0], [0, 0, 1], [-1, -3, -3]], [[0], [0], [1]], [[4, 0, 1]], [[0]], ("a", "b", "c"), ("f",), ("y",),
-        Continuous(),
-    )  # fmt: skip
-    with pytest.raises(ModelError, match="from f to y has a transmission zero at 2 rad/s"):
-        optimal_servo.lqr(notched, (0.0, 2.0), np.eye(6), [1.0])
-    with pytest.raises(ModelError, match=r"2 outputs \(gap, speed\) cannot be regulated by 1 inputs"):
-        both = replace(DOUBLE, C=np.eye(2), D=np.zeros((2, 1)), outputs=("gap", "speed"))
-        optimal_servo.lqr(both, (0.0,), np.eye(4), [1.0])
-
-
-def test_any_form_of_system_is_read_and_names_choose_signals() -> None:
-    arrays = (DOUBLE.A, DOUBLE.B, np.eye(2), np.zeros((2, 1)))
-    regulator = optimal_servo.lqr(arrays, (0.0,), np.eye(3), [1.0], regulated=["y1"])
-    again = optimal_servo.lqr(control.ss(*arrays), (0.0,), np.eye(3), [1.0], regulated=["y[0]"])
-    np.testing.assert_array_equal(regulator.K, again.K)
-    assert regulator.regulated == ("y1",)
-    with pytest.raises(SignalError, match="'z' is not one of y1, y2"):
-        optimal_servo.lqr(arrays, (0.0,), np.eye(3), [1.0], regulated=["z"])
-
-
 def test_a_servo_prints_gains_units_poles_and_certificate() -> None:
     text = repr(optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0]))
     assert "Servo regulator of gap by force in continuous time" in text

@@ -9,7 +9,7 @@ import pytest
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
 from synth.synthesise.regulation import internal_model, optimal_servo, servo, steady_error
-from synth.synthesise.regulation.steady_error import ERROR_ROUNDING, with_suffix
+from synth.synthesise.regulation.steady_error import ERROR_ROUNDING
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -40,14 +40,6 @@ def two_output_servo(exosystem: internal_model.Exosystem = (0.0, 2.0), period: f
     if period is None:
         return optimal_servo.lqr(two_by_two(), exosystem, Q, np.eye(2))
     return optimal_servo.lqrd(two_by_two(), exosystem, Q, np.eye(2), period)
-
-
-def with_controller(regulator: servo.Servo, controller: StateSpace) -> steady_error.SteadyError:
-    """Return the certificate of a regulator's plant with another controller."""
-    plant = regulator.plant
-    seen = replace(plant, C=np.eye(4), D=np.zeros((4, 2)), outputs=plant.states)
-    loop = steady_error.closed_loop(plant, seen, regulator.regulated, regulator.controls, controller)
-    return steady_error.evaluate(loop, with_suffix(regulator.regulated, "error"), regulator.model)
 
 
 def test_the_response_is_the_closed_form() -> None:
@@ -108,49 +100,10 @@ def test_a_copy_for_each_error_leaves_nothing(period: float | None) -> None:
     assert certificate.response.shape == (2, 2, 4)
 
 
-@pytest.mark.parametrize("period", [None, 0.02])
-def test_one_copy_for_two_errors_is_seen_to_leave_an_error(period: float | None) -> None:
-    """Planted: one copy driven by the sum of the errors, fed back as y's was, in a loop that is stable."""
-    good = two_output_servo(period=period)
-    c, k = good.controller, len(good.model.Phi)
-    errors = [c.inputs.index(f"{name}_error") for name in ("y", "z")]
-    B = c.B[:k].copy()
-    B[:, errors] = good.model.N
-    one = replace(c, A=good.model.Phi, B=B, C=c.C[:, :k], states=c.states[:k])
-    certificate = with_controller(good, one)
-    assert certificate.worst < np.inf
-    assert not certificate.vanishes
-    assert certificate.worst > 1e-2
-    assert with_controller(good, c).vanishes
-
-
-def test_a_model_sampled_by_eulers_rule_is_seen_to_leave_an_error() -> None:
-    """Planted: modes at 1 + i w T, off the circle by (w T)^2 / 2."""
-    good = two_output_servo(period=0.02)
-    one = internal_model.exosystem((0.0, 2.0))
-    Phi, N = (np.kron(np.eye(2), M) for M in (np.eye(3) + one.Phi * 0.02, one.N * 0.02))
-    B = good.controller.B.copy()
-    B[:, [good.controller.inputs.index(f"{name}_error") for name in ("y", "z")]] = N
-    certificate = with_controller(good, replace(good.controller, A=Phi, B=B))
-    assert certificate.worst < np.inf
-    assert not certificate.vanishes
-    assert (
-        certificate.relative_error[0].max() < ERROR_ROUNDING < certificate.relative_error[1].max()
-    )  # constants are right, sines are not
-
-
 def test_a_regulator_of_another_frequency_is_seen_to_leave_an_error() -> None:
     loop = two_output_servo((0.0, 2.001)).closed_loop()
     certificate = steady_error.evaluate(loop, ("y_error", "z_error"), (0.0, 2.0))
     assert 1e-6 < certificate.worst < 1e-2
-
-
-def test_a_pole_at_a_mode_is_named() -> None:
-    """Stable by a hair, and the mode lies on the pole."""
-    loop = StateSpace([[-0.5]], [[1]], [[1]], [[0]], ("x",), ("r",), ("e",), Continuous())
-    mode = internal_model.Mode(-0.5 + 0j, 1)
-    with pytest.raises(ModelError, match=r"pole at the mode -0\.5 1/s of the exosystem: make it stable"):
-        steady_error.evaluate(loop, ["e"], replace(internal_model.of((0.0,)), modes=(mode,)))
 
 
 def test_an_algebraic_loop_without_a_solution_is_refused() -> None:
@@ -193,12 +146,6 @@ def test_the_loop_is_that_of_python_control() -> None:
     np.testing.assert_allclose(loop.response(s), theirs, rtol=tolerances.of("lyapunov"), atol=tolerances.of("lyapunov"))
 
 
-def test_any_form_of_system_is_read() -> None:
-    loop = transfer([1, 0], [1, 2, 1])
-    again = steady_error.evaluate(loop.to_control(), ["e"], (0.0, 1.0))
-    np.testing.assert_array_equal(again.response, steady_error.evaluate(loop, ["e"], (0.0, 1.0)).response)
-
-
 @pytest.mark.parametrize("time", [Continuous(), Discrete(T)])
 def test_a_loop_without_states_or_errors_is_certified(time: Continuous | Discrete) -> None:
     """A constant passes everything on; where nothing is regulated nothing is left."""
@@ -210,12 +157,6 @@ def test_a_loop_without_states_or_errors_is_certified(time: Continuous | Discret
     assert empty.response.shape == (2, 0, 1)
     assert empty.vanishes
     assert "Each error dies out" in repr(empty)
-
-
-@pytest.mark.parametrize("errors", [np.array([["e"]]), [["e"]], 3, None, [3]])
-def test_errors_that_are_no_names_are_refused(errors: list[str]) -> None:
-    with pytest.raises(SignalError, match=r"`errors` of .*: give a list of names"):
-        steady_error.evaluate(transfer([1], [1, 1]), errors, (0.0,))
 
 
 def test_an_unstable_loop_without_sources_is_not_certified() -> None:

@@ -229,17 +229,6 @@ def test_the_other_solution_is_not_shipped(monkeypatch: pytest.MonkeyPatch) -> N
         riccati.solve(c, [[3.0]], [[1.0]])
 
 
-def test_unsolvable_problems_name_the_mode() -> None:
-    A = np.diag([1.0, -1.0])
-    with pytest.raises(ModelError, match=r"not stabilisable: mode 1 in x0 .* inputs u0: actuate x0"):
-        riccati.solve(model(A, [[0], [1]]), np.eye(2), [[1.0]])
-    for marginal, time in ((0.0, CONTINUOUS), (1.0, SAMPLED)):
-        with pytest.raises(ModelError, match=r"does not show the mode .* in x0"):
-            riccati.solve(model(np.diag([marginal, 0.3 - marginal]), [[1], [1]], time), np.diag([0.0, 1.0]), [[1.0]])
-        with pytest.raises(ModelError, match=r"not stabilisable: mode .* in x0"):
-            riccati.solve(model(np.diag([marginal, 0.3 - marginal]), [[0], [1]], time), np.eye(2), [[1.0]])
-
-
 def test_equal_modes_of_which_the_cost_sees_only_a_sum_are_searched() -> None:
     """Each eigenvector that is computed costs something; their difference costs nothing."""
     c = model(np.diag([1.0, 1.0]), np.eye(2))
@@ -248,44 +237,12 @@ def test_equal_modes_of_which_the_cost_sees_only_a_sum_are_searched() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("Q", "R", "N", "message"),
-    [
-        (np.eye(3), np.eye(1), None, r"matrix Q is \(3, 3\): give \(2, 2\)"),
-        (np.diag([1.0, np.nan]), np.eye(1), None, "matrix Q has nan for x1, x1: give finite numbers"),
-        (np.array([[1.0, 2.0], [0.0, 1.0]]), np.eye(1), None, r"Q is not symmetric: \[0, 1\] is 2.0, \[1, 0\] is 0.0"),
-        (np.eye(2), np.zeros((1, 1)), None, "matrix R has the eigenvalue 0: it must be positive definite"),
-        (np.eye(2), {"u9": 1.0}, None, "the weight R names 'u9', which is not one of u0"),
-        (np.eye(2), np.eye(1), np.ones((1, 2)), r"cross weight N is \(1, 2\)"),
-        (np.eye(2), np.eye(1), np.full((2, 1), np.nan), "2 states and 1 inputs need a finite one"),
-    ],
-)
-def test_weights_that_make_no_cost_are_refused(Q: object, R: object, N: object, message: str) -> None:
-    with pytest.raises(SignalError, match=message):
-        riccati.solve(model([[0, 1], [0, 0]], [[0], [1]]), Q, R, N)
-
-
 def test_a_weight_that_is_singular_within_rounding_is_refused() -> None:
     c = model([[0, 1], [0, 0]], np.eye(2))
     v = np.array([[1.0], [1 / 3]])
     with pytest.raises(SignalError, match=r"matrix R has the eigenvalue .*positive definite beyond rounding"):
         riccati.solve(c, np.eye(2), v @ v.T)
     riccati.solve(c, np.eye(2), np.diag([1.0, 1e-20]))  # units, not singularity
-
-
-def test_a_model_without_states_or_inputs_is_refused() -> None:
-    nothing = StateSpace(np.eye(1), np.zeros((1, 0)), np.eye(1), np.zeros((1, 0)), ("x",), (), ("x",), CONTINUOUS)
-    with pytest.raises(SignalError, match="the model has 1 states and 0 inputs: it needs at least one of each"):
-        riccati.solve(nothing, [[1.0]], np.zeros((0, 0)))
-
-
-def test_arrays_and_python_control_systems_are_read_and_weights_go_by_name() -> None:
-    c = model([[0, 1], [0, 0]], [[0], [1]])
-    expected = riccati.solve(c, np.diag([2.0, 0.0]), [[3.0]])
-    for system in ((c.A, c.B, c.C, c.D), c.to_control()):
-        np.testing.assert_array_equal(riccati.solve(system, [2.0, 0.0], [3.0]).X, expected.X)
-    np.testing.assert_array_equal(riccati.solve(c, {"x0": 2.0}, {"u0": 3.0}).X, expected.X)
-    np.testing.assert_array_equal(expected.Q, np.diag([2.0, 0.0]))
 
 
 def test_the_result_prints_its_certificate_and_its_tables() -> None:

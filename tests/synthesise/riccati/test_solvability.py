@@ -9,7 +9,7 @@ from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman
 from synth.synthesise.riccati import exact_riccati, riccati, solvability
 from synth.synthesise.riccati.equation import Equation, decays
-from synth.timing import Continuous, Discrete, Time
+from synth.timing import Continuous, Discrete
 from tests import tolerances
 from tests.synthesise import benchmark_problems as problems
 
@@ -61,11 +61,6 @@ def test_an_input_without_weight_gives_the_gain_that_scipys_equation_gives() -> 
         lqr.lqr((np.diag([1.0, 0.5]), np.ones((2, 1)), SAMPLED), [0.0, 1.0], [0.0])
     mirrored = lqr.lqr((np.diag([2.0, 0.5]), np.ones((2, 1)), SAMPLED), [0.0, 1.0], [0.0])
     assert mirrored.certificate.mirrored == pytest.approx((2,)) and mirrored.poles.real.max() == pytest.approx(0.5)
-
-
-def test_inputs_that_the_cost_does_not_distinguish_are_refused() -> None:
-    with pytest.raises(ModelError, match=r"R \+ B'XB is singular: the cost does not distinguish the inputs u1, u2"):
-        lqr.lqr((2 * np.eye(1), np.ones((1, 2)), SAMPLED), [1.0], np.zeros((2, 2)))
 
 
 # What the result says
@@ -141,13 +136,6 @@ def test_the_least_cost_of_coming_to_rest_is_x() -> None:
 # What is refused
 
 
-@pytest.mark.parametrize(("mode", "time"), [(0.0, CONTINUOUS), (1.0, SAMPLED), (-1.0, SAMPLED)])
-def test_an_unseen_mode_on_the_boundary_is_refused(mode: float, time: Time) -> None:
-    system = (np.diag([mode, 0.3 - abs(mode)]), np.ones((2, 1)), time)
-    with pytest.raises(ModelError, match=r"\(Q, A\) does not show the mode .* in x1.* stability boundary.*weight x1"):
-        riccati.solve(system, np.diag([0.0, 1.0]), [1.0])
-
-
 def is_refused_or_marginal(system: tuple[np.ndarray, np.ndarray], Q: np.ndarray) -> bool:
     try:
         return "decay by less than the rounding" in repr(riccati.solve(system, Q, [1.0]))
@@ -182,13 +170,6 @@ def test_a_model_that_decays_by_its_entries_alone_is_solved_and_reported() -> No
     solution = riccati.solve((-1 / (i[:, None] + i + 1), np.eye(11, 1)), np.eye(11), [1.0])
     assert solution.forward_error <= ROUNDED and len(solution.marginal) >= 1 and solution.poles.real.max() < 0
     assert "decay by less than the rounding of the model's entries" in repr(solution)
-
-
-@pytest.mark.parametrize("time", [CONTINUOUS, SAMPLED])
-def test_an_indefinite_cost_without_a_lower_bound_is_refused(time: Time) -> None:
-    one = np.ones((1, 1))
-    with pytest.raises(ModelError, match=r"the cost is indefinite.*has no lower bound.*raise Q"):
-        riccati.solve((0.5 * one, one, time), -one, one)
 
 
 def test_boundary_and_mirrored_modes_are_distinguished() -> None:

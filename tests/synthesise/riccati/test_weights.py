@@ -60,28 +60,6 @@ def test_an_asymmetry_within_rounding_passes_and_the_mean_is_taken() -> None:
     np.testing.assert_array_equal(weights.symmetric("Q", big, NAMES), big)
 
 
-@pytest.mark.parametrize(
-    ("value", "message"),
-    [
-        ({"q": 1.0}, "the weight Q names 'q', which is not one of x, v"),
-        (np.eye(3), r"the matrix Q is \(3, 3\): give \(2, 2\), its diagonal or a weight by name"),
-        ([1.0, np.inf], "the matrix Q has inf for v, v: give finite numbers"),
-        ([[1.0, 2.0], [0.0, 1.0]], r"Q is not symmetric: \[0, 1\] is 2.0, \[1, 0\] is 0.0; give \(M \+ M'\) / 2"),
-        (["a", "b"], "entries of the weight Q are no real numbers"),
-        (np.array([1 + 1j, 1]), r"entries of the weight Q are no real numbers \(they are complex\)"),
-        (np.ma.masked_array([1.0, 1.0], [False, True]), "some are masked"),
-        ({"x": "a"}, "entries of the weight Q of 'x' are no real numbers"),
-        ({"x": 1j}, "entries of the weight Q of 'x' are no real numbers"),
-        ({"x": None}, "the weight Q of 'x' are no real numbers"),
-        ({"x": [1.0, 2.0]}, r"the weight Q of 'x' has shape \(2,\): give a number"),
-        ([[0.0, 1.0], [1.0, 0.0]], "eigenvalue -1: it must be positive semidefinite"),
-    ],
-)
-def test_other_values_are_refused(value: object, message: str) -> None:
-    with pytest.raises(SignalError, match=message):
-        weights.semidefinite("Q", value, NAMES)
-
-
 def test_a_cross_weight_has_its_shape() -> None:
     with pytest.raises(SignalError, match=r"cross weight N is \(1, 2\): 2 states and 1 inputs need a finite one"):
         weights.cross("N", [[1.0, 2.0]], NAMES, ("u",))

@@ -9,7 +9,6 @@ import pytest
 from designs.hall_position.paper import fisher, sensor_accuracy, singular_points
 from models import concentrated_field, hall_array
 from models.hall_two_waves import PlanarArray as Array
-from synth.analyse.observability import isolated_zeros
 from synth.errors import ModelError
 
 l, ALPHA, BETA = 50.8e-3, 8.4 * 0.37502, -8.4 * 0.02146
@@ -62,20 +61,6 @@ def test_no_drawn_start_leads_elsewhere(yaw: float) -> None:
     near = np.abs(off).max(axis=2)
     assert near.min(axis=1).max() < 1e-5
     assert len(set(near.argmin(axis=1).tolist())) > 0.9 * len(known)
-
-
-def test_a_point_that_is_not_met_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = isolated_zeros.newton
-
-    def forgetful(*of: object) -> object:
-        end = right(*of)  # type: ignore[arg-type]
-        near = end is not None and np.hypot(float(end[0]) - np.pi / 4, float(end[1]) - 3 * np.pi / 4) < 0.1
-        return None if near else end
-
-    monkeypatch.setattr(isolated_zeros, "newton", forgetful)
-    monkeypatch.setattr(isolated_zeros, "MAX_BISECTIONS", 8)
-    with pytest.raises(ModelError, match=r"near the phases 0.785\d, 2.35\d+ rad zeros meet"):
-        singular_points.of_pair(PAIR, 0.0)
 
 
 def test_cells_are_only_left_out_where_there_is_no_point() -> None:

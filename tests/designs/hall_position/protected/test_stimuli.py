@@ -67,16 +67,6 @@ def test_every_sequence_has_steps_and_a_name_of_its_own(name: str) -> None:
     assert lengths["doubted"] > 40
 
 
-@tools.needs_arm_gcc
-def test_a_decision_that_nothing_takes_is_detected() -> None:
-    """The planted defect: a branch on a value that no step has."""
-    emitted, name = committed(config.THREE), f"{config.THREE}.c"
-    planted = "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
-    files = {**emitted.files, name: emitted.files[name].replace("    return faults;", planted)}
-    _, missing = missing_decisions(EmittedCode(files, emitted.manifest))
-    assert [line for line in missing if "1.2345678f" in line]
-
-
 @pytest.mark.parametrize("name", config.PLACES)
 def test_what_no_stimulus_reaches_is_far_from_any_pose_and_voltage(name: str) -> None:
     """Information is at most 1 % of its limit, the amplitude's variance 30 %, its pivot 3 times the least."""

@@ -25,7 +25,6 @@ from tests.designs.planar_6dof.paper.recomputed import (
     one,
     recorded,
     with_other_digits,
-    wrong_dependences,
 )
 
 ROWS = recomputed.ids(optimal=True)
@@ -212,14 +211,6 @@ def test_a_printed_number_moves_the_rows_that_depend_on_it_and_no_other(
     assert after or source.partition(".")[0] not in ROWS  # no number is printed for nothing
 
 
-def test_a_wrong_declaration_is_found(rows: dict[str, Row]) -> None:
-    still = {"Y-13": rows["Y-13"]}
-    assert wrong_dependences(rows, still, "Y-13.q") == ["Y-13"]
-    after = {"Y-13": replace(one("Y-13", published=with_other_digits({"Y-13.q": "110"})), depends=())}
-    assert wrong_dependences(rows, after, "Y-13.q") == ["Y-13"]
-    assert {s for r in rows.values() for s in r.depends} <= set(NUMBERS)
-
-
 # Verdicts fall and rise
 
 WITH_POINTS = {"Y-10.d": "18.1556", "Y-10.f": "6.4304", "Y-10.v": "2.6962"}
@@ -291,10 +282,6 @@ def _no_update(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(square_root_kalman, "update", lambda now, *_: now)
 
 
-def _predicting_filter(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(kalman.Estimator, "current", kalman.Estimator.predictor)
-
-
 @pytest.mark.parametrize(
     ("name", "defect", "verdict"),
     [
@@ -308,24 +295,6 @@ def test_a_planted_defect_costs_the_verdict(
 ) -> None:
     defect(monkeypatch)
     assert one(name).verdict == verdict != VERDICTS[name]
-
-
-def test_the_other_form_of_the_filter_is_another_figure(rows: dict[str, Row], monkeypatch: pytest.MonkeyPatch) -> None:
-    _predicting_filter(monkeypatch)
-    assert abs(one("Y-13")["bandwidth at 800 Hz"] / rows["Y-13"]["bandwidth at 800 Hz"] - 1) > 0.05
-    assert abs(one("Y-15")["noise left in x and y at 800 Hz"] - 0.33906) > 0.01
-
-
-def test_without_integrals_all_modes_show(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The verdict of Y-37 hangs on the integrals: without them nothing needs a correction."""
-    plain = gains.model(gains.Stage(13.2547, 117.15, T), False)
-    hidden = len(gains.structure.uncontrollable_modes(plain.A.T, plain.C.T, plain.states, plain.time))
-    assert hidden == 0
-    shown = gains.model(gains.Stage(13.2547, 117.15, T), True)
-    right = gains.model
-    everything = replace(shown, C=np.eye(3, 9) + np.eye(3, 9, 3))  # z added to each position
-    monkeypatch.setattr(gains, "model", lambda of, whole: everything if whole else right(of, False))
-    assert one("Y-37").verdict == "R"
 
 
 # The rows of records

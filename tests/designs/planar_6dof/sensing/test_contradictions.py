@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.planar_6dof import filtering, reference_sensing
+from designs.planar_6dof import filtering
 from designs.planar_6dof.sensing import contradictions
 from designs.planar_6dof.sensing import maps as sensing_maps
 from designs.planar_6dof.sensing import sections as sensing
@@ -122,18 +122,6 @@ def test_a_sensor_that_fails_in_motion_is_named_at_once(predicted: bool) -> None
     for outcome in outcomes(80, predicted).values():
         assert outcome.noticed > 0.95 and outcome.among > 0.95
         assert outcome.delay == 1 and outcome.late <= sensing.MEMORY + 1
-
-
-def test_a_sensor_that_is_not_checked_goes_unnoticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reference_sensing, "EXCESS_BOUND", 10.0)
-    monkeypatch.setitem(BOUNDS, "m_x", np.inf)
-    monkeypatch.setitem(BOUNDS, "m_y", np.inf)
-    by_channel = outcomes(10, True)
-    assert by_channel["V_bx", False].noticed < 0.5 and by_channel["V_cx", False].noticed > 0.95
-    monkeypatch.setattr(reference_sensing, "RESIDUAL_BOUND", 10.0)
-    monkeypatch.setitem(BOUNDS, "r_1", np.inf)
-    monkeypatch.setitem(BOUNDS, "r_2", np.inf)
-    assert max(f.noticed for f in outcomes(10, True).values()) == 0
 
 
 def guarded(predicted: bool) -> Block:

@@ -1,6 +1,6 @@
 """Calibrated units: what each stage leaves, the faults that they then withstand, and planted defects."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -17,7 +17,6 @@ from studies.hall.protected import faults, trust
 from studies.hall.protected.cold_start import ColdStart
 from studies.hall.protected.trust import Samples
 from synth.errors import ModelError
-from synth.execute.host import Batch, Columns, Controller, Records
 
 pytestmark = pytest.mark.whole
 
@@ -98,52 +97,6 @@ def test_no_fault_of_a_sensor_misleads(fault: str, speed: float) -> None:
     assert outcome.wrong < BAR and outcome.valid > VALID[speed]
 
 
-@dataclass(frozen=True)
-class Forgetful:
-    """An estimator whose exclusions are in no doubt in the next sample."""
-
-    controller: Controller
-
-    def init(self) -> Records:
-        return self.controller.init()
-
-    def batch(self, states: Records, inputs: Columns) -> Batch:
-        certain = states.copy()
-        certain["estimator_doubted"] = 0
-        return self.controller.batch(certain, inputs)
-
-
-def test_an_exclusion_whose_doubt_is_forgotten_misleads() -> None:
-    """The planted defect: a drift that has taken the wrong sensor out is valid and wrong for 30 samples."""
-    controller, tuning = survey.compile_unit("built", SEED, "map", estimator.GAIN_DRIFT)
-    wrong = {}
-    for name, of in (("sound", controller), ("forgetful", Forgetful(controller))):
-        rng = np.random.default_rng(4)
-        world = survey.world(CASE, BODIES, rng)
-        wrong[name] = trust.simulate(of, tuning, world, "drift", BODIES, 0.0, rng).outcome().wrong
-    assert wrong["forgetful"] > 1.5 * BAR and wrong["sound"] < BAR / 2
-
-
-def test_waves_alone_do_not_meet_the_bar() -> None:
-    """The planted defect of the same survey: an R of 27 mV hides an offset of 0.3 V."""
-    assert survey.run(Case("built", SEED, "waves"), "offset", 500).outcome().wrong > 5 * BAR
-
-
-def test_the_calibration_of_another_unit_shows() -> None:
-    """The planted defect: a table of another matrix is worse than none."""
-    controller, tuning = survey.compile_unit("built", SEED, "map", estimator.GAIN_DRIFT)
-    rng = np.random.default_rng(0)
-    of = survey.world(Case("built", OTHER), 500, rng)
-    outcome = trust.simulate(controller, tuning, of, "none", 500, 0.0, rng).outcome()
-    assert outcome.valid < 0.5 and outcome.ratio > 1.5
-
-
-def test_gains_that_drift_beyond_their_budget_show() -> None:
-    """The planted defect: three times the drift that R covers."""
-    outcome = survey.run(Case("built", SEED, drift=0.01), "none", 500).outcome()
-    assert outcome.ratio > 1.5 and outcome.valid < 0.98
-
-
 def test_no_cold_start_is_wrong_by_pitches() -> None:
     start = survey.cold_start(CASE, BODIES)
     assert start.wrong == 0 and start.valid > 0.985 and start.longest <= 120
@@ -154,15 +107,6 @@ def test_every_subset_of_sensors_is_protected_or_not_valid() -> None:
         each = survey.diagram(survey.run(CASE, "none", 100, refused=refused), trust.WRONG)
         assert each.misleading == each.hazardous == 0
         assert each.availability > 0.9 if len(refused) < 2 else each.availability == 0
-
-
-def test_the_diagram_counts_what_misleads() -> None:
-    """The planted defect: errors of 1 mm where the levels say less."""
-    sound = samples("none")
-    errors = sound.errors + np.array([1e-3, 0, 0])
-    wrong = Samples(sound.valid, errors, sound.deviations, sound.levels)
-    good, bad = (survey.diagram(s, trust.WRONG) for s in (sound, wrong))
-    assert good.hazardous == 0 and bad.hazardous == bad.samples - bad.unavailable > 0
 
 
 def test_the_report_shows_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -191,14 +135,6 @@ def test_runs_and_voltages_that_are_kept_belong_to_their_arguments() -> None:
     assert len(units.scan(units.draw("built", SEED))) == len(units.scan(units.draw("built", OTHER)))
     scans = (units.scan(units.draw("built", seed)).columns(("V_ax",)) for seed in (SEED, OTHER))
     assert (next(scans) != next(scans)).all()
-
-
-def test_the_checks_of_the_evidence_name_the_bar_that_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The planted defect: units whose calibration has no map."""
-    monkeypatch.setattr(survey, "BODIES", 100)
-    monkeypatch.setattr(survey, "UNITS", {"as built": Case("built", SEED, "waves")})
-    failed = [c.name for c in survey.checks(lambda _: None) if not c.passed]
-    assert f"{config.NAME}, as built, calibrated: samples valid and wrong after a fault" in failed
 
 
 def test_r_of_the_residuals_suits_the_yaw_of_each_field_and_the_shipped_one_does_not() -> None:

@@ -68,19 +68,6 @@ def test_an_invalid_estimate_is_replaced_by_the_prediction() -> None:
     assert at_rest[54] == 0.09
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("const double valid = in->valid;", "const double valid = 1.0;"),
-        ("= state->x + motion_x;", "= state->x - motion_x;"),
-    ],
-)
-def test_a_position_that_is_not_held_is_detected(old: str, new: str) -> None:
-    k = np.arange(N)
-    outputs = answers(dropout(50, 4), old, new)["x_raw"]
-    assert np.abs(outputs - SPEED * k)[50:54].max() > SPEED
-
-
 def test_consecutive_invalid_samples_raise_the_suspicion_and_a_valid_one_resets_the_count() -> None:
     lost = closed_loop.MAX_INVALID
     for count, suspected in ((lost - 1, False), (lost, True)):

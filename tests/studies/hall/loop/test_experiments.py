@@ -18,7 +18,6 @@ from studies.hall.loop import closed_loop, experiments, sources, stage_loop
 from studies.hall.loop.stage_loop import Loop
 from studies.hall.pages import loops as page_loops
 from synth.analyse.loops.loop import sampled
-from synth.execute import host
 from synth.fault import BRAKING_BIT
 from synth.signals import signal_names
 from synth.simulate.experiment import Experiment
@@ -31,16 +30,6 @@ pytestmark = pytest.mark.whole
 @cache
 def loops() -> dict[str, Loop]:
     return dict(experiments.loops(libm=True))
-
-
-def loop_with_defect(old: str, new: str) -> Loop:
-    """Return the calibrated loop with `old` in its C being `new`."""
-    loop = loops()["calibrated"]
-    name = f"{loop.rig.stage.controller.name}.c"
-    text = loop.emitted.files[name]
-    assert text.count(old) == 1
-    wrong = host.load({**loop.emitted.files, name: text.replace(old, new)}, loop.emitted.manifest)
-    return replace(loop, rig=replace(loop.rig, controller=wrong))
 
 
 def failed_names(experiment: Experiment) -> set[str]:
@@ -72,29 +61,6 @@ def test_the_zigzag() -> None:
     assert plain.figures["x and y, um rms"] > 60
 
 
-def test_a_correction_with_the_wrong_sign_is_detected() -> None:
-    both = {**loops(), "calibrated": loop_with_defect("float X_corrected = X +", "float X_corrected = X -")}
-    assert failed_names(experiments.step(both["calibrated"], "calibrated")) == {"error of the motion"}
-
-
-HELD = "state->hall_source_x + hall_source_motion_x"
-REST, STEADY, STEP = (f"x differs {where}" for where in ("at rest", "in a steady motion", "in a step"))
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "failing"),
-    [
-        ("const bool good = ", "const bool good = true || ", {STEP}),  # the estimator predicts, too
-        (HELD, "0.0f", {REST, STEADY, STEP}),
-        (HELD, "state->hall_source_x", {STEADY, STEP}),
-        (HELD, "state->hall_source_x + 0.5f * hall_source_motion_x", {STEP}),
-    ],
-    ids=["used", "zeros", "without motion", "half the motion"],
-)
-def test_a_position_that_is_not_held_in_dropouts_is_detected(old: str, new: str, failing: set[str]) -> None:
-    assert failing == failed_names(experiments.dropouts(loop_with_defect(old, new)))
-
-
 def test_the_response_to_a_wrong_sample_is_that_of_the_linear_loop() -> None:
     source, plant = closed_loop.Source(Stage().array(layouts.LAYOUTS[5])), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
@@ -107,11 +73,6 @@ def test_the_response_to_a_wrong_sample_is_that_of_the_linear_loop() -> None:
         x, state = stage.A @ x + stage.B @ (law.C @ state + law.D @ seen), law.A @ state + law.B @ seen
         distances.append(abs(x[stage.states.index("x")]))
     assert 0.94 * experiments.RESPONSE < max(distances) < experiments.RESPONSE
-
-
-def test_a_loop_without_its_latch_is_detected() -> None:
-    experiment = experiments.loss(loop_with_defect("state->hall_source_failed = ", "state->hall_source_failed = 0u * "))
-    assert "samples to the latch" in failed_names(experiment)
 
 
 def test_no_current_flows_until_a_position_is_known() -> None:

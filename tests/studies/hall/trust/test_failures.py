@@ -2,16 +2,14 @@
 
 from typing import Any
 
-import numpy as np
 import pytest
 
 from designs.hall_position import config
 from models.hall_motions import Limits
-from studies.hall.trust import endurance, estimator_ensemble, failures
+from studies.hall.trust import endurance, failures
 from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from studies.hall.trust.failures import FAILURES, MAX_DELAY
 from synth.errors import ModelError
-from synth.execute import host
 
 pytestmark = pytest.mark.whole
 
@@ -32,20 +30,6 @@ def test_without_a_failure_no_residual_is_exceeded() -> None:
     """Two sensors are not valid where they lose rank, which is flagged."""
     outcome = failures.run_failure(TWO, "none", 2, BODIES, MOVING)
     assert outcome.residual_exceeded == outcome.lock_lost == outcome.misleading == 0 and outcome.valid > 0.5
-
-
-def test_an_estimate_without_flags_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    stepped = estimator_ensemble.step
-
-    def blind(kind: EstimatorConfig, state: host.Records, volts: estimator_ensemble.Numbers) -> host.Batch:
-        """Is always valid."""
-        batch = stepped(kind, state, volts)
-        always = np.ones(len(state))
-        return batch._replace(outputs=batch.outputs | {"valid": always}, faults=0 * batch.faults)
-
-    monkeypatch.setattr(estimator_ensemble, "step", blind)
-    outcome = failures.run_failure(TWO, "dead", 1, BODIES, MOVING)
-    assert outcome.delay > MAX_DELAY and outcome.flagged == 0 and outcome.misleading > 0.5
 
 
 @pytest.mark.parametrize(

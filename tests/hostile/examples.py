@@ -1,6 +1,6 @@
-"""Valid arguments of the public functions, of which `benchmarks.hostile` replaces one at a time.
+"""Valid arguments of the public functions, of which `tests.hostile.search` replaces one at a time.
 
-The example of an argument is that of its function in `hostile_calls`, else that of its name in `usual`, else its
+The example of an argument is that of its function in `calls`, else that of its name in `usual`, else its
 default.
 """
 

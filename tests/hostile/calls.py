@@ -1,4 +1,4 @@
-"""Valid calls by function, where the examples of `hostile_examples` by argument name do not apply."""
+"""Valid calls by function, where the examples of `examples` by argument name do not apply."""
 
 import functools
 import tempfile
@@ -9,8 +9,19 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from benchmarks import hostile_stages, hostile_vocabulary
-from benchmarks.hostile_examples import (
+from synth.analyse.loops import equilibrium
+from synth.analyse.structure import lie, relative_degree
+from synth.blocks.estimate import advance
+from synth.blocks.guard import safety
+from synth.blocks.laws import lookup_table
+from synth.signals import Parameter
+from synth.synthesise.feedback import lqr
+from synth.synthesise.identify import calibration, logs
+from synth.synthesise.observers import noise, square_root_kalman
+from synth.synthesise.regulation.minimal_polynomial import Mode
+from synth.timing import Continuous
+from tests.hostile import stages, vocabulary
+from tests.hostile.examples import (
     GAP,
     RATE,
     TIME,
@@ -30,17 +41,6 @@ from benchmarks.hostile_examples import (
     model,
     usual,
 )
-from synth.analyse.loops import equilibrium
-from synth.analyse.structure import lie, relative_degree
-from synth.blocks.estimate import advance
-from synth.blocks.guard import safety
-from synth.blocks.laws import lookup_table
-from synth.signals import Parameter
-from synth.synthesise.feedback import lqr
-from synth.synthesise.identify import calibration, logs
-from synth.synthesise.observers import noise, square_root_kalman
-from synth.synthesise.regulation.minimal_polynomial import Mode
-from synth.timing import Continuous
 
 
 @functools.cache
@@ -75,8 +75,8 @@ def examples() -> Mapping[str, Call]:
     resting_loop = example_resting_loop()
     rest = equilibrium.solve(resting_loop, {}, common["point"])
     return {
-        **hostile_stages.examples(),
-        **hostile_vocabulary.examples(),
+        **stages.examples(),
+        **vocabulary.examples(),
         **{
             f"information.{name}": {"H": np.ones((2, 3, 1)), "sigma": 0.1, "sizes": [1.0]}
             for name in ("accuracy", "largest_deviation")

@@ -4,7 +4,10 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-from benchmarks.hostile_examples import (
+from synth.block import Constant, State
+from synth.signals import Signal
+from synth.timing import Continuous
+from tests.hostile.examples import (
     CURRENT,
     GAP,
     RATE,
@@ -21,9 +24,6 @@ from benchmarks.hostile_examples import (
     fields,
     usual,
 )
-from synth.block import Constant, State
-from synth.signals import Signal
-from synth.timing import Continuous
 
 
 def examples() -> Mapping[str, Call]:

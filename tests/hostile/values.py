@@ -1,4 +1,4 @@
-"""Hostile values, with which `benchmarks.hostile` replaces valid arguments."""
+"""Hostile values, with which `tests.hostile.search` replaces valid arguments."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
@@ -139,6 +139,8 @@ def _models(value: StateSpace) -> Iterator[tuple[str, Any]]:
     yield "B of zeros", dataclasses.replace(value, B=0 * B)
     yield "C of zeros", dataclasses.replace(value, C=0 * C)
     yield "A as text", ("text", B, C, D)
+    yield SAME + "arrays", (A, B, C, D, value.time)
+    yield SAME + "python-control", value.to_control()
     yield "shapes that do not fit", (A, B[:-1], C, D)
     yield "A alone", (A,)
     yield "no states", dataclasses.replace(value, A=np.zeros((0, 0)), B=np.zeros((0, m)), C=np.zeros((p, 0)), states=())

@@ -1,9 +1,9 @@
 """Fuzzing of the library's interface: each public function is called with one wrong argument.
 
-    python -m benchmarks.hostile [--calls 10000] [--seed 0] [--only lqr]
+    python -m tests.hostile.search [--calls 10000] [--seed 0] [--only lqr]
 
 For each function and constructor of the vocabulary, of analyse, of synthesise and of blocks there is a valid call
-(`hostile_calls`). Each argument in turn is then replaced: by another type (a number for a list, a text, None, a bool),
+(`calls`). Each argument in turn is then replaced: by another type (a number for a list, a text, None, a bool),
 by another shape or size, by NaN, infinity, 1e300 and 1e-300, by an empty value, by a masked array, by a wrong name, and
 by the same value in another form, for which the answer must be the same. A call must return or raise a SynthError
 within `LIMIT_S`. Everything else is a defect: another error, NaN in an answer whose example has none, a warning of
@@ -17,6 +17,7 @@ import argparse
 import contextlib
 import dataclasses
 import faulthandler
+import functools
 import importlib
 import inspect
 import pkgutil
@@ -35,9 +36,9 @@ import numpy as np
 import synth.analyse
 import synth.blocks
 import synth.synthesise
-from benchmarks import hostile_calls, hostile_examples
-from benchmarks.hostile_values import SAME, mutations
 from synth.errors import SynthError
+from tests.hostile import calls, examples
+from tests.hostile.values import SAME, mutations
 
 LIMIT_S = 5.0  # of processor time, which does not depend on other load
 MEMORY = 4 << 30  # bytes
@@ -90,6 +91,7 @@ def is_checked(target: Any) -> bool:
     return code is not None and code.co_filename.endswith("arguments.py")
 
 
+@functools.cache
 def library() -> dict[str, Callable[..., Any]]:
     """Return the public functions and constructors with checked arguments, by module and name."""
     functions = {}
@@ -114,7 +116,7 @@ def call(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
 
 def example(name: str, function: Callable[..., Any]) -> dict[str, Any]:
     """Return valid arguments of a function: specific ones, else those by argument name, else its defaults."""
-    specific, usual = hostile_calls.examples().get(name, {}), hostile_examples.usual()
+    specific, usual = calls.examples().get(name, {}), examples.usual()
     arguments: dict[str, Any] = {}
     for p in inspect.signature(function).parameters.values():
         if p.name in specific:

@@ -10,7 +10,7 @@ The twelve phase currents then stay for the missed calls and the sample that the
 motors get their largest direct current, which drives the platen away from the nearer stop of y, until it turns round.
 The largest distance to the stops over all s is a bound of every law that follows the course; below 0 it is a contact.
 
-    python -m tests.designs.maglev_5dof.held_currents        the table of docs/decisions/maglev_landing.md
+    python -m studies.maglev.held_currents        the table of docs/decisions/maglev_landing.md
 """
 
 import sys

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import casadi as ca
 
-from benchmarks.hostile_examples import GAP, Call, U, fields, usual
 from synth import stage
 from synth.analyse.loops import robustness
 from synth.analyse.structure import parity
@@ -19,6 +18,7 @@ from synth.plant import Plant
 from synth.signals import Signal
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
+from tests.hostile.examples import GAP, Call, U, fields, usual
 
 POINTS = {"middle": {"gap": 0.02}}
 

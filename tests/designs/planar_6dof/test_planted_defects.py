@@ -1,7 +1,4 @@
-"""What verification must detect in both planar designs: in the C, the constants, and at the limits of the motors.
-
-A test module imports all of it, and has a fixture `design` of module scope: the `Subject` of its design.
-"""
+"""What verification must detect in both planar designs: in the C, the constants, and at the limits of the motors."""
 
 from dataclasses import replace
 
@@ -10,18 +7,18 @@ import pytest
 
 from designs.planar_6dof import random_steps
 from designs.planar_6dof.random_steps import Subject
+from designs.planar_6dof_leadlag import design as leadlag
+from designs.planar_6dof_lqg import design as lqg
 from synth.verify import agree
 from tests.designs.planar_6dof import planted
 from tests.designs.planar_6dof.planted import WitnessSteps
 
-__all__ = [
-    "at",
-    "test_a_wrong_sign_in_the_c_is_reported",
-    "test_every_constant_counts",
-    "test_steps_that_are_mostly_at_the_limits",
-    "test_the_sound_reference_is_no_defect",
-    "test_without_optimisation_the_sound_c_is_no_defect",
-]
+SUBJECTS = {"leadlag": leadlag.subject, "lqg": lqg.subject}
+
+
+@pytest.fixture(scope="module", params=SUBJECTS)
+def design(request: pytest.FixtureRequest) -> Subject:
+    return SUBJECTS[request.param]()
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,1 @@
+"""Studies of the magnetically levitated stage beyond what ships."""
