@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import config, page, stimuli
+from designs.hall_position import config, stimuli
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.protected import config as protected
 from synth.app import workspace
@@ -68,7 +68,7 @@ def test_its_manifest_says_when_it_latches(name: str, sensors: int) -> None:
 
 
 def test_two_sensors_are_without_fault_protection_in_the_first_line() -> None:
-    """In header, manifest and report, with the fields for which the deviations hold; more sensors have no such line."""
+    """In header and manifest, with the fields for which the deviations hold; more sensors have no such line."""
     words, fields = "two sensors have no fault protection", "hold for the field of the model only"
     first_lines = {
         (name, file): (GENERATED / name / file).read_text().splitlines()[0]
@@ -79,9 +79,8 @@ def test_two_sensors_are_without_fault_protection_in_the_first_line() -> None:
     assert all(words in line for (name, _), line in first_lines.items() if name == config.NAME)
     _, manifest = committed_files(config.NAME)
     header = (GENERATED / config.NAME / f"{config.NAME}.h").read_text().replace("\n * ", " ")
-    for text in (header, manifest["warning"], page.ABOUT):
+    for text in (header, manifest["warning"]):
         assert fields in text and "fabricated" in text
-    assert page.ABOUT.startswith(f"{config.NAME}: {words}")
 
 
 @pytest.mark.parametrize(("name", "degrees"), [(config.NAME, 2.5), (protected.THREE, 10), (protected.NAME, 10)])
@@ -124,4 +123,4 @@ def test_a_number_that_is_none_and_passes_is_detected() -> None:
 
 
 def test_its_audit_is_that_of_the_paper(design: Stage) -> None:
-    assert next(iter(design.audit())).id.startswith("K-")
+    assert next(iter(design.audit(design))).id.startswith("K-")

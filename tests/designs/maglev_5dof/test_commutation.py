@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from designs.maglev import commutation, motions, platen
-from designs.maglev_5dof.design import DESIGN, PHASES
+from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
 from synth.app import standard_tasks
 from synth.block import Block
@@ -24,6 +24,7 @@ from synth.verify import drive, replays
 from tests.designs.maglev_5dof.test_fault_campaign import with_defect
 
 ERROR = platen.SURROGATE_ERROR
+PHASES = commutation.phase_currents(DESIGN.name, DESIGN.plant)
 STOP = 0.031  # m, the gap at the lower stop
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from designs.maglev import platen
-from designs.maglev.motions import WIRES
+from designs.maglev.platen import WIRES
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
 from synth.analyse import discretise, operating_points
