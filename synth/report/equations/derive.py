@@ -17,7 +17,7 @@ from synth.emit.program import lower
 from synth.emit.program.lower import Node
 from synth.errors import ModelError
 from synth.plant import Plant, symbols
-from synth.report.equations import glyphs, mathml, mathml_value, symbolic
+from synth.report.equations import glyphs, mathml, symbolic
 from synth.signals import Signal
 
 Symbols = Mapping[str, ca.SX]
@@ -87,10 +87,14 @@ class Group:
             return f'<mover accent="true">{name}<mo>˙</mo></mover>'
         return f"<msup><mrow>{name}</mrow><mo>+</mo></msup>" if equation.mark == "next" else name
 
+    def shown(self, equation: Equation) -> sp.Expr:
+        """Return the right side of an equation in displayed names."""
+        shown = equation.shown
+        return shown.xreplace({s: symbolic.symbol(self.name(s.name)) for s in shown.free_symbols})
+
     def right(self, equation: Equation) -> str:
         """Return the right side of an equation as MathML."""
-        shown = equation.shown
-        return mathml.expression(shown.xreplace({s: symbolic.symbol(self.name(s.name)) for s in shown.free_symbols}))
+        return mathml.expression(self.shown(equation))
 
 
 def plant_function(plant: Plant, terms: NamedTerms | None = None) -> tuple[ca.Function, dict[str, int]]:
@@ -226,11 +230,7 @@ def _with_distinct_names(group: Group) -> Group:
     local: dict[str, str] = {}
     used: set[str] = set()
     for name in sorted(names, key=lambda n: (n in group.local, n)):
-        choices = (text for text in (group.name(name), name, f"={name}") if _appearance(text) not in used)
+        choices = (text for text in (group.name(name), name, f"={name}") if glyphs.markup(text) not in used)
         local[name] = next(choices)
-        used.add(_appearance(local[name]))
+        used.add(glyphs.markup(local[name]))
     return replace(group, local={name: text for name, text in local.items() if text != name})
-
-
-def _appearance(name: str) -> str:
-    return mathml_value.key(glyphs.markup(name))

@@ -1,5 +1,7 @@
-"""Presentation MathML of SymPy expressions for browsers without scripts; `mathml_value` evaluates it.
+"""Presentation MathML of SymPy expressions for browsers without scripts.
 
+SymPy's own printer of presentation MathML shows -(a + b) as -a + b; this one brackets by precedence throughout, has
+conditions, choices and saturations, and continues long sums on further lines.
 A number with more than DIGITS digits is truncated and ends with an ellipsis; ``data-value`` has the full number.
 """
 

@@ -1,19 +1,22 @@
-"""Test of displayed equations: each formula, evaluated from its markup, must agree with CasADi at POINTS random points.
+"""Test of displayed equations: each SymPy expression, as printed, must agree with CasADi at POINTS random points.
 
 Definitions are evaluated in their order. Derivatives, outputs, named signals and next states are compared, to TOLERANCE
 of the largest value of each.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
 
 import casadi as ca
 import numpy as np
+import sympy as sp
+from scipy.special import erf
 
 from synth.block import Block
 from synth.emit.program import lower
-from synth.errors import ModelError
+from synth.errors import DesignError, ModelError
 from synth.plant import Plant
-from synth.report.equations import derive, glyphs, mathml_value
+from synth.report.equations import derive
 from synth.report.equations.derive import Equation, Group, NamedTerms
 from synth.signals import Signal
 from synth.statespace import Array
@@ -22,6 +25,29 @@ Values = Mapping[str, Array]
 POINTS, TOLERANCE, SEED = 48, 1e-9, 7
 SPREAD = 0.05  # relative variation of parameters and constants
 RANGE_DECADES = 4  # powers of ten by which the inputs of a Block exceed their ranges in half of the points
+
+FUNCTIONS: Mapping[str, Callable[..., Array]] = {
+    **{n: getattr(np, n) for n in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "hypot", "log1p")},
+    **{n: getattr(np, f"arc{n[1:]}") for n in ("asin", "acos", "atan", "asinh", "acosh", "atanh", "atan2")},
+    **{n: getattr(np, n) for n in ("expm1", "floor", "ceil", "sign")},
+    "Abs": np.abs,
+    "Pow": np.float_power,
+    "min": np.fmin,
+    "max": np.fmax,
+    "mod": np.fmod,
+    "erf": erf,
+    "lt": np.less,
+    "le": np.less_equal,
+    "eq": np.equal,
+    "ne": np.not_equal,
+    "and": np.logical_and,
+    "or": np.logical_or,
+    "not": np.logical_not,
+    "Add": lambda *terms: reduce(np.add, terms),
+    "Mul": lambda *factors: reduce(np.multiply, factors),
+    "choose": lambda condition, chosen, otherwise: np.select([condition != 0], [chosen], otherwise),
+    "sat": lambda v, low, high: np.fmax(np.fmin(v, high), low),
+}
 
 
 def plant(plant: Plant, groups: Sequence[Group], terms: NamedTerms | None = None) -> None:
@@ -79,12 +105,28 @@ def check(
 def _evaluate(
     group: Group, equation: Equation, known: Values, tables: Mapping[str, Callable[..., Array]], points: int
 ) -> Array:
-    names = {
-        mathml_value.key(glyphs.markup(group.name(s.name))): known[s.name] for s in equation.expression.free_symbols
-    }
+    names = {group.name(s.name): known[s.name] for s in equation.shown.free_symbols}
+    functions = {**FUNCTIONS, **tables}
+    if equation.limits:
+        low, high = equation.limits  # of a saturation that is shown without bounds
+        functions["sat"] = lambda v, low=low, high=high: np.fmax(np.fmin(v, high), low)
     with np.errstate(all="ignore"):
-        shown = mathml_value.value(group.right(equation), names, equation.limits, tables)
-    return np.broadcast_to(shown, points)
+        return np.broadcast_to(value(group.shown(equation), names, functions), points)
+
+
+def value(expr: sp.Expr, names: Values, functions: Mapping[str, Callable[..., Array]]) -> Array:
+    """Return the value of an expression for values (N,) of its symbols and functions by name.
+
+    Raises DesignError for a function that is not among them.
+    """
+    if isinstance(expr, sp.Symbol):
+        return names[expr.name]
+    if not expr.args:
+        return np.array(float(expr))
+    kind = type(expr).__name__
+    if kind not in functions:
+        raise DesignError(f"an equation applies '{kind}', which is not a known function: write it out")
+    return np.asarray(functions[kind](*(value(a, names, functions) for a in expr.args)), dtype=np.float64)
 
 
 def _require_equal(what: str, equation: Equation, shown: Array, computed: Array) -> None:
