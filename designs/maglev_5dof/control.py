@@ -56,7 +56,7 @@ def axis_plant(axis: Axis) -> StateSpace:
 @cache
 def gain(axis: Axis) -> lqr.Gain:
     """Return the axis' continuous LQR gain, w = K (e, de, xi)."""
-    return lqr.lqr(axis_plant(axis), np.diag(axis.weights), np.eye(1), exact=True)
+    return lqr.lqr(axis_plant(axis), np.diag(axis.weights), np.eye(1))
 
 
 def regulator_block(axis: Axis, anti_windup: bool = True) -> Block:

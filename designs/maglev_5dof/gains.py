@@ -24,7 +24,7 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
     constants = {c.name: c.value for c in control.regulator_block(axis).rounded(scalar).constants}
     on_xi = np.linalg.solve(T.T, [constants[f"k_{s}"] for s in ("sum", "p1", "q1")])
     rounded = replace(published, K=readonly([[constants["k_e"], constants["k_de"], *on_xi]]))
-    sampled = lqr.lqrd(model, Q, R, period, exact=True)
+    sampled = lqr.lqrd(model, Q, R, period)
     return {
         "plant": "q'' = w, xi' = Phi xi + N e, Phi and N for the frequencies below; states e, de, xi1, xi2, xi3",
         "coordinates": "K is on these states; the constants are on e, de, sum, p1, q1 with xi = T (sum, p1, q1)",
@@ -39,6 +39,6 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
         "certificate": digits.certificate(published.certificate),
         "sampled_data_optimum": {
             "K": [digits.significant(v, 6) for v in sampled.K[0]],
-            "worst_cost_ratio_of_K": digits.significant(lqr.cost_ratio(model, rounded, Q, R, period, exact=True), 4),
+            "worst_cost_ratio_of_K": digits.significant(lqr.cost_ratio(model, rounded, Q, R, period), 4),
         },
     }

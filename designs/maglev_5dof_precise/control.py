@@ -113,7 +113,7 @@ def loop_gain(axis: Axis, loop: Loop) -> lqr.Gain:
     Q = np.zeros(model.A.shape)
     Q[0, 0], Q[1, 1] = loop.weights
     Q[2:, 2:] = internal_weights(dict(zip(frequencies(axis), loop.speeds, strict=True)), loop.weights[0])
-    return lqr.lqr(model, Q, np.eye(1), exact=True)
+    return lqr.lqr(model, Q, np.eye(1))
 
 
 def observer(axis: Axis, loop: Loop) -> Block:

@@ -61,7 +61,7 @@ def model(axis: str, time: Discrete) -> StateSpace:
 def estimator(axis: str, time: Discrete) -> kalman.Estimator:
     """Return the steady-state filter of an axis, exact."""
     noise = {f"{axis}_raw": DEVIATION * DEVIATION}
-    return kalman.discrete(model(axis, time), {"jerk": JERK[axis]}, noise, ("jerk",), exact=True)
+    return kalman.discrete(model(axis, time), {"jerk": JERK[axis]}, noise, ("jerk",))
 
 
 def block(axis: str, time: Discrete) -> Block:

@@ -90,7 +90,7 @@ def model(per_ampere: float = PER_AMPERE, yaw_per_ampere: float = YAW_PER_AMPERE
 @cache
 def gain(weights: Sequence[float] = WEIGHTS) -> lqr.Gain:
     """Return K of (49), u = K x, for the diagonal of Q and R = I at 800 Hz."""
-    return lqr.lqrd(model(), weights, np.eye(3), TIME.period_s, exact=True)
+    return lqr.lqrd(model(), weights, np.eye(3), TIME.period_s)
 
 
 def demand_gain(plant: Plant) -> Array:

@@ -79,7 +79,7 @@ def compensator() -> reduced_compensator.Compensator:
 def estimator() -> kalman.Estimator:
     """Return the full-order filter (40) of (26), driven by white accelerations."""
     W, V = [PROCESS_NOISE[a] for a in HORIZONTAL], [NOISE[a] ** 2 for a in HORIZONTAL]
-    return kalman.kalmd(lqg.model(integrals=False), W, V, TIME.period_s, G=np.eye(6)[:, 3:], exact=True)
+    return kalman.kalmd(lqg.model(integrals=False), W, V, TIME.period_s, G=np.eye(6)[:, 3:])
 
 
 def gain() -> Array:
@@ -149,7 +149,7 @@ def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float
 def axis_estimator(axis: Axis) -> kalman.Estimator:
     """Return the full-order filter of position and rate, driven by white acceleration."""
     W, V = [PROCESS_NOISE[axis.name]], [NOISE[axis.name] ** 2]
-    return kalman.kalmd(lqg.continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
+    return kalman.kalmd(lqg.continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]])
 
 
 def full_order(plant: Plant, axis: Axis) -> Block:

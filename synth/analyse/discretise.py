@@ -5,14 +5,10 @@ First-order hold (u linear between samples):    x+ = F x + G u + H (u+ - u),
                                                 H = (1/T) int_0^T exp(A s) (T - s) ds B
 
 Each comes from one exponential of a block matrix (Van Loan 1978), computed in ball arithmetic and rounded once.
+Likewise the integral of a cost x'Wx over a period of x' = F x, or the covariance of noise of density V (F', V for
+F, W):
 
-The integral of a cost x'Wx over a period of x' = F x, or the covariance of noise of density V (F', V for F, W):
-
-    M = exp(F T),   W(T) = int_0^T exp(F t)' W exp(F t) dt,   W(2 t) = W(t) + M(t)' W(t) M(t),   M(2 t) = M(t)^2
-
-In double precision both start as Taylor series at t with 2 |F| t <= 1 and are doubled until t = T. This subtracts
-nothing. A block exponential loses digits if exp(-F t) and exp(F t) differ in size; doubling does not. Where a mode
-grows that W does not weight, M'W M cancels instead, and both are computed in ball arithmetic.
+    M = exp(F T),   W(T) = int_0^T exp(F t)' W exp(F t) dt
 """
 
 from dataclasses import dataclass, replace
@@ -24,15 +20,11 @@ from scipy.linalg import lapack
 
 from synth import arguments
 from synth.analyse.numerics import precise
-from synth.errors import ModelError, SignalError, TimingError
+from synth.errors import SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous, Discrete
 
 MOST_STATES = 10_000  # of a delayed model, whose A then takes 800 MB
-TERMS = 19  # 2 |F| t <= 1: the first omitted term is below 1 / 20! = 4e-19 of the sum
-TESTED_TERMS = (7, 12)  # terms after which convergence is tested
-LAST = 2.0**-60  # of each entry of the sum: a term this small is the last, because the next is smaller
-CANCELLED = 10.0  # times |W|: larger terms of M'W M cancel
 LINK = 2.0**-40  # of the largest balanced entry: replaces zeros when rows or columns of zeros are scaled
 
 
@@ -54,14 +46,13 @@ class Propagation:
 
 
 @arguments.checked
-def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) -> Propagation:
+def gramian(F: ArrayLike, W: ArrayLike, period_s: float) -> Propagation:
     """Return exp(F T) and the integral of exp(F t)' W exp(F t) over a period; F (n, n), W (n, n) symmetric.
 
-    The integral has W's unit times s. In double precision its error is some 1e-15 of its size, and 1e-13 at most for a
-    model of up to ten states; `exact` computes both in ball arithmetic and rounds each entry once.
+    The integral has W's unit times s. Both are computed in ball arithmetic and each entry is rounded once.
 
     Raises SignalError for shapes that do not fit, entries that are not finite or an asymmetric W; TimingError when the
-    period is not positive; ModelError when a mode overflows double precision, or as `precise.round_correctly`.
+    period is not positive; ModelError as `precise.round_correctly`.
     """
     F, W = _square("F", F), _square("W", W)
     if F.shape != W.shape:
@@ -70,7 +61,7 @@ def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) ->
         i, j = np.argwhere(W != W.T)[0]
         raise SignalError(f"W is not symmetric: [{i}, {j}] is {W[i, j]}, [{j}, {i}] is {W[j, i]}; give (W + W') / 2")
     T = _period(period_s).period_s
-    M, W = (None if exact else _by_doubling(F, W, T)) or _van_loan(F, W, T)
+    M, W = _van_loan(F, W, T)
     return Propagation(readonly(M), readonly(W))
 
 
@@ -129,52 +120,6 @@ def delay_samples(system: System, samples: int = 1) -> StateSpace:
     names = [(f"{name}_late{k + 1}", name) for k in range(samples) for name in model.inputs]
     units = {**model.units, **{new: model.units[name] for new, name in names if name in model.units}}
     return replace(model, A=A, B=B, C=C, D=D, states=(*model.states, *(new for new, _ in names)), units=units)
-
-
-def _by_doubling(F: Array, W: Array, period_s: float) -> tuple[Array, Array] | None:
-    """Return M and W(T) in double precision, from balanced F: x = D z with powers of 2 in the diagonal D.
-
-    None where a mode grows and M'W M cancels.
-    """
-    D = balancing(F)
-    Ft, W = F * D / D[:, None] * period_s, W * D * D[:, None] * period_s
-    size = float(np.abs(Ft).sum(axis=1).max(initial=0.0))
-    doublings = max(0, int(np.ceil(np.log2(2 * size)))) if 0 < size < np.inf else 0
-    with np.errstate(over="ignore", invalid="ignore"):
-        E, W = _series(Ft * 2.0**-doublings, W * 2.0**-doublings)
-        one = np.eye(len(F))
-        M, decayed = one + E, False
-        grows = float(np.exp(2 * np.linalg.eigvals(Ft).real.max(initial=0.0))) > CANCELLED
-        for _ in range(doublings):
-            terms = np.abs(M.T) @ np.abs(W) @ np.abs(M)
-            W = W + M.T @ W @ M
-            W = (W + W.T) / 2
-            if grows and terms.max() > CANCELLED * np.abs(W).max():
-                return None
-            # E = M - I keeps the digits of slow modes beside fast ones; M does once all modes have decayed.
-            decayed = decayed or float(np.abs(M).sum(axis=1).max()) < 0.5
-            E = E if decayed else 2 * E + E @ E
-            M = M @ M if decayed else one + E
-        M, W = M * D[:, None] / D, W / D / D[:, None]
-    if not (np.isfinite(M).all() and np.isfinite(W).all()):
-        raise ModelError(
-            f"a mode overflows double precision within {period_s:g} s: take a shorter period or leave that mode "
-            "out of the model"
-        )
-    return M, W
-
-
-def _series(Ft: Array, Wt: Array) -> tuple[Array, Array]:
-    """Return exp(Ft) - I and sum_k d^k(Wt) / (k + 1)!, d(X) = Ft' X + X Ft."""
-    n = len(Ft)
-    term = total = np.concatenate([Ft, Wt])
-    for k in range(2, TERMS + 1):
-        term = term @ Ft / k
-        term[n:] += term[n:].T
-        total = total + term
-        if k in TESTED_TERMS and (np.abs(term) <= LAST * np.abs(total)).all():
-            break
-    return total[:n], total[n:]
 
 
 def balancing(M: Array) -> Array:

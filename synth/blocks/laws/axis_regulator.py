@@ -186,7 +186,7 @@ def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     if delay < 0:
         raise SignalError(f"the delay is {delay} samples: give 0 or more")
     model, T, frequencies = axis.model, time.period_s, list(axis.modes)
-    undelayed = optimal_servo.lqrd(model, frequencies, _weight(axis), [axis.command_weight], T, exact=True)
+    undelayed = optimal_servo.lqrd(model, frequencies, _weight(axis), [axis.command_weight], T)
     held = loop.sampled(model, T, delay * T)
     regulator = servos.of_gain(held, undelayed.model, _gain_for_delay(undelayed, delay))
     filter, form = _filter(axis, held, T)
@@ -237,7 +237,7 @@ def _filter(axis: Axis, held: StateSpace, period_s: float) -> tuple[filters.Esti
     """Return the Kalman filter, and the estimator of the states and of the delay line."""
     model, process = axis.model, axis.estimator.process
     G = np.eye(len(model.states))[:, [model.states.index(name) for name in process]]
-    estimator = filters.kalmd(model, list(process.values()), axis.estimator.sensor, period_s, G=G, exact=True)
+    estimator = filters.kalmd(model, list(process.values()), axis.estimator.sensor, period_s, G=G)
     none = np.zeros((len(held.states) - len(model.states), 1))
     L, M = (readonly(np.vstack([gain, none])) for gain in (estimator.L, estimator.M))
     return estimator, replace(estimator, model=held, L=L, M=M).current()

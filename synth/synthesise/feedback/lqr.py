@@ -12,8 +12,8 @@
     ^                                       |
     +------------------[ K ]<---------------+
 
-`with_integrators` adds the states q (MATLAB `lqi`). The computation is in double precision, or with `exact` in ball
-arithmetic for gains that are the same on every machine.
+`with_integrators` adds the states q (MATLAB `lqi`). The computation is in ball arithmetic: the gains are the same on
+every machine.
 """
 
 from collections.abc import Mapping, Sequence
@@ -81,14 +81,14 @@ class SampledCost:
 
 
 @arguments.checked
-def lqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
+def lqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None) -> Gain:
     """Return the optimal gain of a model in its own time; Q (n, n), R (m, m), N (n, m).
 
     Q and R are matrices, diagonals or {name: weight}. The certificate reports an unstable mode that is not observable
     in Q, and an indefinite Q. Raises as `riccati.solve`.
     """
     model = of(system)
-    return _gain(model, riccati.solve(model, Q, R, N, exact))
+    return _gain(model, riccati.solve(model, Q, R, N))
 
 
 def _gain(model: StateSpace, solution: riccati.Riccati) -> Gain:
@@ -103,7 +103,6 @@ def lqrd(
     R: weights.Weight,
     period_s: float,
     N: ArrayLike | None = None,
-    exact: bool = False,
     delay_s: float = 0.0,
 ) -> Gain:
     """Return the optimal gain for a continuous model whose input is held over `period_s`, for the continuous cost.
@@ -115,12 +114,12 @@ def lqrd(
     makes the model not stabilisable; else as `riccati.solve`.
     """
     model = of(system)
-    return _sampled_gain(model, sampled_cost(model, Q, R, period_s, N, exact, delay_s), exact)
+    return _sampled_gain(model, sampled_cost(model, Q, R, period_s, N, delay_s))
 
 
-def _sampled_gain(model: StateSpace, cost: SampledCost, exact: bool) -> Gain:
+def _sampled_gain(model: StateSpace, cost: SampledCost) -> Gain:
     try:
-        return _gain(cost.model, riccati.solve_matrices(cost.model, cost.Q, cost.R, cost.N, exact))
+        return _gain(cost.model, riccati.solve_matrices(cost.model, cost.Q, cost.R, cost.N))
     except ModelError:
         _require_period(model, cost.model)
         raise
@@ -151,7 +150,6 @@ def sampled_cost(
     R: weights.Weight,
     period_s: float,
     N: ArrayLike | None = None,
-    exact: bool = False,
     delay_s: float = 0.0,
 ) -> SampledCost:
     """Return the sampled model and its exact weights over one period, with the input delayed by `delay_s`.
@@ -166,7 +164,7 @@ def sampled_cost(
             f"the cost over a period needs a continuous model, but this one is in {model.time}: give the "
             "continuous model"
         )
-    held = period_cost.over_period(model, weights.joint_weight(Q, R, N), period_s, delay_s, exact)
+    held = period_cost.over_period(model, weights.joint_weight(Q, R, N), period_s, delay_s)
     W, n = held.W, len(held.model.A)
     return SampledCost(held.model, readonly(W[:n, :n]), readonly(W[n:, n:]), readonly(W[:n, n:]))
 
@@ -179,7 +177,6 @@ def cost_ratio(
     R: weights.Weight,
     period_s: float,
     N: ArrayLike | None = None,
-    exact: bool = False,
 ) -> float:
     """Return the cost of using `gain` at a sample period over that of `lqrd`, for the worst initial state.
 
@@ -190,8 +187,8 @@ def cost_ratio(
     state, or negative from one; else as `lqrd`.
     """
     model = of(system)
-    K, cost = _gain_matrix(gain, model), sampled_cost(model, Q, R, period_s, N, exact)
-    optimal = _sampled_gain(model, cost, exact).certificate
+    K, cost = _gain_matrix(gain, model), sampled_cost(model, Q, R, period_s, N)
+    optimal = _sampled_gain(model, cost).certificate
     least = optimal.X
     if optimal.least_eigenvalue < 0:
         raise ModelError(

@@ -34,25 +34,25 @@ class PeriodCost:
     W: Array
 
 
-def over_period(plant: StateSpace, W: Array, period_s: float, delay_s: float, exact: bool) -> PeriodCost:
+def over_period(plant: StateSpace, W: Array, period_s: float, delay_s: float) -> PeriodCost:
     """Return the sampled plant with hold and delay, and its equivalent of the weight W (n + m, n + m) on (x, u).
 
-    With `exact` each step is rounded once, from ball arithmetic.
+    Each step is rounded once, from ball arithmetic.
 
     Raises TimingError and ModelError as `loop.sampled` and `discretise.gramian`.
     """
     (n, m), F = plant.B.shape, _input_matrix(plant)
     if isinstance(delay_s, float | int) and delay_s == 0:
-        held = discretise.gramian(F, W, period_s, exact=exact)
+        held = discretise.gramian(F, W, period_s)
         model = replace(plant, A=held.M[:n, :n], B=held.M[:n, n:], time=Discrete(float(period_s)))
         return PeriodCost(model, held.W)
     delayed = loop.sampled(plant, period_s, delay_s)
     whole, fraction = _whole_and_fraction(delay_s / period_s)
-    period_weight = _weight_of_period(F, W, m, period_s, fraction, exact)
+    period_weight = _weight_of_period(F, W, m, period_s, fraction)
     if not whole:
         return PeriodCost(delayed, period_weight)
-    P = _power(delayed.A, whole, exact)[: len(period_weight) - m]
-    return PeriodCost(delayed, _congruence(scipy.linalg.block_diag(P, np.eye(m)), period_weight, exact))
+    P = _power(delayed.A, whole)[: len(period_weight) - m]
+    return PeriodCost(delayed, _congruence(scipy.linalg.block_diag(P, np.eye(m)), period_weight))
 
 
 def _input_matrix(plant: StateSpace) -> Array:
@@ -60,15 +60,15 @@ def _input_matrix(plant: StateSpace) -> Array:
     return np.vstack([np.hstack([plant.A, plant.B]), np.zeros((m, n + m))])
 
 
-def _weight_of_period(F: Array, W: Array, m: int, period_s: float, fraction: float, exact: bool) -> Array:
+def _weight_of_period(F: Array, W: Array, m: int, period_s: float, fraction: float) -> Array:
     """Return the weight on (x, h, v), or (x, v) without a fraction."""
     if not fraction:
-        return discretise.gramian(F, W, period_s, exact=exact).W
-    first = discretise.gramian(F, W, fraction * period_s, exact=exact)
-    second = discretise.gramian(F, W, (1 - fraction) * period_s, exact=exact).W
+        return discretise.gramian(F, W, period_s).W
+    first = discretise.gramian(F, W, fraction * period_s)
+    second = discretise.gramian(F, W, (1 - fraction) * period_s).W
     M = scipy.linalg.block_diag(first.M, np.eye(m))
     M = np.delete(M, np.s_[len(F) - m : len(F)], axis=0)  # h no longer acts
-    return scipy.linalg.block_diag(first.W, np.zeros((m, m))) + _congruence(M, second, exact)
+    return scipy.linalg.block_diag(first.W, np.zeros((m, m))) + _congruence(M, second)
 
 
 def _whole_and_fraction(samples: float) -> tuple[int, float]:
@@ -77,17 +77,12 @@ def _whole_and_fraction(samples: float) -> tuple[int, float]:
     return (whole, 0.0) if abs(samples - whole) < loop.DELAY_ROUNDING else (int(samples), samples - int(samples))
 
 
-def _power(A: Array, k: int, exact: bool) -> Array:
-    if not exact:
-        return np.linalg.matrix_power(A, k)
+def _power(A: Array, k: int) -> Array:
     return precise.round_correctly(lambda: precise.matrix(A) ** k, "the delayed model over its delay")
 
 
-def _congruence(M: Array, W: Array, exact: bool) -> Array:
+def _congruence(M: Array, W: Array) -> Array:
     """Return M' W M, symmetric."""
-    if exact:
-        balls = precise.matrix(M)
-        product = precise.round_correctly(lambda: balls.transpose() * precise.matrix(W) * balls, "the weight")
-    else:
-        product = M.T @ W @ M
+    balls = precise.matrix(M)
+    product = precise.round_correctly(lambda: balls.transpose() * precise.matrix(W) * balls, "the weight")
     return np.asarray((product + product.T) / 2)

@@ -107,13 +107,12 @@ def kalman(
     V: weights.Weight,
     G: noise.NoiseInput = None,
     S: ArrayLike | None = None,
-    exact: bool = False,
 ) -> Estimator:
     """Return the filter of a model in its own time: `continuous` for densities or `discrete` for covariances.
 
     Arguments and errors as for `continuous`.
     """
-    return steady(noise.white(of(system), W, V, G, S), exact)
+    return steady(noise.white(of(system), W, V, G, S))
 
 
 @arguments.checked
@@ -123,14 +122,13 @@ def continuous(
     V: weights.Weight,
     G: noise.NoiseInput = None,
     S: ArrayLike | None = None,
-    exact: bool = False,
 ) -> Estimator:
     """Return the filter of a continuous model for the densities W (q, q), V (p, p) and S (q, p), 0 if left out.
 
     W and V are matrices, diagonals or {name: density}; W belongs to the inputs named in G, to the columns w1, w2.. of
     the matrix G (n, q), or to one noise on each state. Inputs named in G are noise alone and not inputs of the filter;
-    for noise on a control, give G as its column of B. `exact` rounds each entry of P and L correctly, with the same
-    result on every machine.
+    for noise on a control, give G as its column of B. Each entry of P and L is
+    rounded correctly, with the same result on every machine.
 
     Raises TimingError for a sampled model; SignalError for arguments of the wrong shape, not finite, asymmetric or
     indefinite; ModelError when a combination of outputs has no noise, naming a mode that is not detectable, or a mode
@@ -138,7 +136,7 @@ def continuous(
     """
     model = of(system)
     common(Continuous(), model.time)
-    return steady(noise.white(model, W, V, G, S), exact)
+    return steady(noise.white(model, W, V, G, S))
 
 
 @arguments.checked
@@ -148,7 +146,6 @@ def discrete(
     V: weights.Weight,
     G: noise.NoiseInput = None,
     S: ArrayLike | None = None,
-    exact: bool = False,
 ) -> Estimator:
     """Return the filter of a sampled model for the covariances W (q, q), V (p, p) and S (q, p) at each sample.
 
@@ -156,7 +153,7 @@ def discrete(
     """
     model = of(system)
     period(model.time)
-    return steady(noise.white(model, W, V, G, S), exact)
+    return steady(noise.white(model, W, V, G, S))
 
 
 @arguments.checked
@@ -166,18 +163,17 @@ def kalmd(
     V: weights.Weight,
     period_s: float,
     G: noise.NoiseInput = None,
-    exact: bool = False,
 ) -> Estimator:
     """Return the discrete filter of a continuous model with w of density W (q, q), sampled with `period_s`.
 
     V (p, p) is the covariance of each sample. Arguments and errors as for `continuous`; also SignalError when w has a
     direct path to an output.
     """
-    return steady(noise.sampled(system, W, V, period_s, G, exact), exact)
+    return steady(noise.sampled(system, W, V, period_s, G))
 
 
 @arguments.checked
-def steady(noisy: noise.NoisyModel, exact: bool = False) -> Estimator:
+def steady(noisy: noise.NoisyModel) -> Estimator:
     """Return the steady-state filter of a model with its noise, in its own time. Raises ModelError as `continuous`."""
     model, e = noisy.model, noisy.noise
     n, p = model.C.T.shape
@@ -186,7 +182,7 @@ def steady(noisy: noise.NoisyModel, exact: bool = False) -> Estimator:
     dual = StateSpace(
         model.A.T, model.C.T, np.eye(n), np.zeros((n, p)), model.states, model.outputs, model.states, model.time
     )
-    solution = riccati.solve(dual, e.W, e.V, e.S, exact=exact)
+    solution = riccati.solve(dual, e.W, e.V, e.S)
     M, posterior = (
         (np.zeros((n, p)), solution.X)
         if isinstance(model.time, Continuous)

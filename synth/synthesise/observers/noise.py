@@ -20,7 +20,7 @@ from synth.analyse import discretise
 from synth.analyse.numerics import precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise.riccati import exact_eigenvalues, weights
+from synth.synthesise.riccati import exact_eigenvalues, exact_lyapunov, weights
 from synth.timing import Continuous, Time
 
 NoiseInput = ArrayLike | Sequence[str] | None
@@ -88,12 +88,10 @@ def white(
 
 
 @arguments.checked
-def sampled(
-    system: System, W: weights.Weight, V: weights.Weight, period_s: float, G: NoiseInput = None, exact: bool = False
-) -> NoisyModel:
+def sampled(system: System, W: weights.Weight, V: weights.Weight, period_s: float, G: NoiseInput = None) -> NoisyModel:
     """Return a continuous model with w of density W (q, q) held over `period_s`; each sample has V (p, p).
 
-    `exact` rounds each entry of the process noise once, with the same result on every machine.
+    Each entry of the process noise is rounded once, with the same result on every machine.
 
     Raises TimingError for a sampled model or a period that is not positive; SignalError as `white`, and for a w with a
     direct path to an output, whose samples have no finite covariance; ModelError as `white` and `discretise.gramian`.
@@ -111,7 +109,7 @@ def sampled(
     with precise.precision():
         g = precise.matrix(entered.G)
         density = precise.rounded(g * precise.matrix(W) * g.transpose())
-    process = discretise.gramian(model.A.T, density, period_s, exact).W
+    process = discretise.gramian(model.A.T, density, period_s).W
     V = weights.semidefinite("V", V, model.outputs)
     noise = Noise(process, readonly(V), readonly(np.zeros(model.C.T.shape)))
     _require_size(noise, model)
@@ -125,11 +123,9 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
 
         A X + X A' + W = 0,     A X A' + W = X
 
-    X is the Gramian over a time span that doubles, from below the fastest to above the slowest decay. The exact
-    residual corrects it once.
+    Each entry of X is rounded once, from ball arithmetic.
 
-    Raises ModelError naming a pole that does not decay by more than rounding error, or when double precision does not
-    determine X.
+    Raises ModelError naming a pole that does not decay by more than rounding error, or as `precise.round_correctly`.
     """
     A = arguments.matrix("A", A)
     A, W = arguments.matrix_of_shape("A", A, len(A), len(A)), arguments.matrix_of_shape("W", W, len(A), len(A))
@@ -140,38 +136,9 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
         )
     if not len(A):
         return readonly(W)
-    X = _stationary_sum(A, W, time)
-    return readonly(X + _stationary_sum(A, _lyapunov_residual(A, W, X, time), time))
-
-
-def _lyapunov_residual(A: Array, W: Array, X: Array, time: Time) -> Array:
-    """Return A X + X A' + W, or A X A' + W - X, each entry rounded once."""
-    with precise.precision():
-        a, w, x = (precise.matrix(M) for M in (A, W, X))
-        ax, at = a * x, a.transpose()
-        left = precise.rounded(ax + x * at + w if isinstance(time, Continuous) else ax * at + w - x)
-    return (left + left.T) / 2
-
-
-def _stationary_sum(A: Array, W: Array, time: Time) -> Array:
-    """Return the covariance of noise W over a time in which any initial state has decayed."""
-    M, X = A, W
-    if isinstance(time, Continuous):
-        over = discretise.gramian(A.T, W, 1 / (float(np.abs(np.linalg.eigvals(A).real).min()) or 1.0))
-        M, X = over.M.T, over.W
-    D, grown = discretise.balancing(A), 1.0
-    for _ in range(DOUBLINGS):
-        size = float(np.abs(M * D / D[:, None]).max())
-        if size <= DECAYED * grown:
-            return X
-        added, grown = M @ X @ M.T, max(grown, size)
-        X, M = X + (added + added.T) / 2, M @ M
-        if not (np.isfinite(M).all() and np.isfinite(X).all()):
-            break
-    raise ModelError(
-        "the covariance is not determined in double precision, as rounding of the model decides whether it stays "
-        "finite: give the model more damping or take slow modes out of it"
-    )
+    F, balls, continuous = precise.matrix(A.T), precise.matrix(W), isinstance(time, Continuous)
+    X = precise.round_correctly(lambda: exact_lyapunov.solution(F, balls, continuous), "the stationary covariance")
+    return readonly((X + X.T) / 2)
 
 
 def _split_inputs(model: StateSpace, G: NoiseInput) -> _NoiseInputs:

@@ -31,20 +31,19 @@ def lqr(
     R: weights.Weight,
     N: ArrayLike | None = None,
     *,
-    exact: bool = False,
     regulated: servo.Names = None,
     controls: servo.Names = None,
 ) -> servo.Servo:
     """Return the optimal state feedback of a plant in its own time.
 
     Q (n + p k, n + p k) weights the plant's states and `InternalModel.state_names`, R (m, m) the controls, N is the
-    cross weight. Inputs that are no controls are disturbances. With `exact`, K is the same on every machine.
+    cross weight. Inputs that are no controls are disturbances. K is the same on every machine.
 
     Raises SignalError for unknown names; else as `internal_model.augmented` and `riccati.solve`.
     """
     plant, acting, model = servo.split_plant(system, exosystem, regulated, controls)
     whole = internal_model.augmented(acting, model)
-    gain = linear_quadratic.lqr(whole, Q, R, N, exact=exact).K
+    gain = linear_quadratic.lqr(whole, Q, R, N).K
     return servo.of_gain(plant, model, gain, regulated=acting.outputs, controls=acting.inputs)
 
 
@@ -56,7 +55,6 @@ def lqrd(
     R: weights.Weight,
     period_s: float,
     *,
-    exact: bool = False,
     regulated: servo.Names = None,
     controls: servo.Names = None,
 ) -> servo.Servo:
@@ -70,21 +68,21 @@ def lqrd(
     common(Continuous(), plant.time)
     names = (*acting.states, *model.state_names(acting.outputs))
     Q, R = weights.semidefinite("Q", Q, names), weights.definite("R", R, acting.inputs)
-    W = _period_weight(acting, model, scipy.linalg.block_diag(Q, R), period_s, exact)
+    W = _period_weight(acting, model, scipy.linalg.block_diag(Q, R), period_s)
     plant, acting = (discretise.zero_order_hold(part, period_s) for part in (plant, acting))
     model, k = internal_model.in_time(model, plant.time), len(names)
     whole = internal_model.augmented(acting, model)
-    gain = linear_quadratic.lqr(whole, W[:k, :k], W[k:, k:], W[:k, k:], exact=exact).K
+    gain = linear_quadratic.lqr(whole, W[:k, :k], W[k:, k:], W[:k, k:]).K
     return servo.of_gain(plant, model, gain, regulated=acting.outputs, controls=acting.inputs)
 
 
-def _period_weight(acting: StateSpace, model: InternalModel, Q: Array, period_s: float, exact: bool) -> Array:
+def _period_weight(acting: StateSpace, model: InternalModel, Q: Array, period_s: float) -> Array:
     """Return the cost of a period as a weight on x, xi and u at its start; Q weights x, xi and u."""
     (n, m), p, k = acting.B.shape, len(acting.outputs), len(model.Phi) * len(acting.outputs)
     A = scipy.linalg.block_diag(acting.A, np.kron(np.eye(p), model.Phi))
     B = scipy.linalg.block_diag(acting.B, np.kron(np.eye(p), model.N))
     F = np.vstack([np.hstack([A, B]), np.zeros((m + p, n + k + m + p))])
-    W = discretise.gramian(F, scipy.linalg.block_diag(Q, np.zeros((p, p))), period_s, exact=exact).W
+    W = discretise.gramian(F, scipy.linalg.block_diag(Q, np.zeros((p, p))), period_s).W
     held = np.vstack([np.eye(n + k + m), np.hstack([acting.C, np.zeros((p, k)), acting.D])])
     gathered = held.T @ W @ held
     return np.asarray((gathered + gathered.T) / 2)

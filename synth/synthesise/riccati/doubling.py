@@ -1,17 +1,14 @@
-"""Structure-preserving doubling for Riccati, Stein and Lyapunov equations: each pass doubles the horizon.
+"""Smith's doubling for Stein and Lyapunov equations in double precision, and the bilinear map of a Riccati equation.
 
-    X = A'X (I + G X)^-1 A + H      A <- A V,  G <- G + A (I + G H)^-1 G A',  H <- H + A'H V,   V = (I + G H)^-1 A
     Y = A'Y A + W                   Y <- Y + A'Y A,  A <- A^2
 
-H and Y increase to the solutions (Chu, Fan, Lin, Wang 2004; Smith 1968). The slowest pole determines the number of
-passes. A bilinear map therefore first shifts the poles towards z = 0; X and Y are the same for the mapped equation:
+Y increases to the solution (Smith 1968); each pass doubles the horizon, and the slowest pole determines the number of
+passes. A bilinear map therefore first shifts the poles towards z = 0; Y is the same for the mapped equation:
 
     continuous  z = (c + s) / (c - s)        J = (c I - A)^-1,  A_d = (A + c I) J,  g = 2 c,      k = -1
     discrete    z <- (z + k) / (1 + k z)     J = (I + k A)^-1,  A_d = (A + k I) J,  g = 1 - k^2,  k = (c - 1) / (c + 1)
 
-    B_d = sqrt(g) J B,   Q_d = g J'Q J,   N_d = sqrt(g) J'(N - k Q J B),   R_d = R - k (N'J B + B'J'N) + k^2 B'J'Q J B
-
-and W_d = g J'W J for the linear equations. c is close to the geometric mean of |s| over the poles, or of |z - 1| / 2.
+and W_d = g J'W J. c is close to the geometric mean of |s| over the poles of the optimal loop, or of |z - 1| / 2.
 """
 
 from collections.abc import Sequence
@@ -23,7 +20,6 @@ from synth.statespace import Array
 from synth.synthesise.riccati.equation import Equation
 
 PASSES = 60  # doublings: 2^60 periods; a recursion that has not converged by then diverges
-CONVERGENCE_TOLERANCE = 1e-7  # of H: the next increment is the square of this one, and Newton's method follows
 DECAYED = 1e-2  # of a state: the remainder of Y is the square of this
 FACTORS = (1.0, 2.0, 4.0)  # of the mean rate: the rates c that are tried
 # Of c J, or of (1 + k) J: c is then far from the eigenvalues of A.
@@ -93,39 +89,6 @@ def stable_map(A: Array, bilinear: Bilinear) -> StableMap | None:
     return None
 
 
-def solution(equation: Equation, bilinear: Bilinear) -> Array | None:
-    """Return X (n, n) of a balanced equation in double precision.
-
-    Returns None when the doubling does not converge, or R or R_d is not positive definite in double precision.
-    """
-    try:
-        discrete = _bilinear_equation(equation, bilinear)
-        increment = _double(*_standard_form(_about_Q(discrete)))
-        return None if increment is None else increment + discrete.Q
-    except np.linalg.LinAlgError:
-        return None
-
-
-@np.errstate(all="ignore")
-def _double(A: Array, G: Array, H: Array) -> Array | None:
-    """Return the limit of H; raise LinAlgError when I + G H is singular."""
-    one = np.eye(len(A))
-    for _ in range(PASSES):
-        inverse = np.linalg.inv(one + G @ H)
-        V = inverse @ A
-        step = (H @ A).T @ V
-        G = G + (A @ inverse) @ (G @ A.T)
-        A = A @ V
-        H = H + step
-        G, H = (G + G.T) / 2, (H + H.T) / 2
-        size = float(np.vdot(H, H))
-        if not size < 1e300:
-            return None
-        if float(np.vdot(step, step)) <= CONVERGENCE_TOLERANCE * CONVERGENCE_TOLERANCE * size:
-            return H
-    return None
-
-
 def bilinear_map(equation: Equation) -> Bilinear:
     """Return the bilinear map for the poles of the optimal loop, with a rate away from the eigenvalues of A."""
     c, tried = _mean_rate(equation), []
@@ -159,25 +122,6 @@ def _mean_log_eigenvalue(*quarters: Array) -> float:
     P, Q, R, S = quarters
     M = np.concatenate([np.concatenate([P, Q], axis=1), np.concatenate([R, S], axis=1)])
     return float(np.linalg.slogdet(M)[1]) / len(M)
-
-
-def _bilinear_equation(e: Equation, bilinear: Bilinear) -> Equation:
-    """Return the discrete equation with the same solution."""
-    J, k, root = bilinear.resolvent(e.A), bilinear.k, np.sqrt(bilinear.g)
-    if J is None:
-        raise np.linalg.LinAlgError("the map takes an eigenvalue to infinity")
-    JB = J @ e.B
-    QJB, NJB = e.Q @ JB, e.N.T @ JB
-    R = e.R - k * (NJB + NJB.T) + k * k * (JB.T @ QJB)
-    return Equation(
-        bilinear.map_matrix(e.A, J), root * JB, bilinear.g * J.T @ e.Q @ J, R, root * J.T @ (e.N - k * QJB), False
-    )
-
-
-def _about_Q(e: Equation) -> Equation:
-    """Return the discrete equation for X - Q. Its input weight is R + B'QB, and R may be zero."""
-    QA, QB = e.Q @ e.A, e.Q @ e.B
-    return Equation(e.A, e.B, e.A.T @ QA, e.R + e.B.T @ QB, e.N + e.A.T @ QB, False)
 
 
 def _standard_form(e: Equation) -> tuple[Array, Array, Array]:

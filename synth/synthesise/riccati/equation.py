@@ -1,14 +1,7 @@
-"""The continuous and the discrete algebraic Riccati equation in double precision: scaling, residual and gain.
+"""The continuous and the discrete algebraic Riccati equation: scaling, the sizes of its terms, and a solution.
 
-    continuous  A'X + XA - P R^-1 P' + Q = 0,         P = XB + N,                     L = R^-1 P'
-    discrete    A'XA - X - P S^-1 P' + Q = 0,         P = A'XB + N, S = R + B'XB,     L = S^-1 P'
-
-The residual of an X near the solution is a small difference of large terms. For any L, with the small d = P' - R L,
-
-    continuous  XA + A'X + Q - P L - L'd - d' R^-1 d,          d = B'X + N' - R L
-    discrete    A'X (A - B L) + Q - X - N L - L'd - d' S^-1 d, d = B'X (A - B L) + N' - R L
-
-is the same function. Its large terms are evaluated in twice double precision, the small ones in double precision.
+continuous  A'X + XA - P R^-1 P' + Q = 0,         P = XB + N,                     L = R^-1 P'
+discrete    A'XA - X - P S^-1 P' + Q = 0,         P = A'XB + N, S = R + B'XB,     L = S^-1 P'
 """
 
 from dataclasses import dataclass
@@ -16,13 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from synth.analyse import discretise
-from synth.analyse.numerics import twofold
-from synth.analyse.numerics.twofold import Twofold
 from synth.statespace import Array, Complex
 
 MIN_COST = 2.0**-52  # of the largest diagonal entry of balanced X: below it the cost of a state is zero within rounding
-REFINEMENT_TOLERANCE = 1e-10  # of each row of L: a correction this small ends the refinement
-MAX_REFINEMENTS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,55 +46,9 @@ class Equation:
         size = discretise.balancing(M)
         return np.exp2(np.round(np.log2(size[:n] / size[n:]) / 2)), E
 
-    def gain(self, X: Array) -> Array:
-        """Return L (m, n) in double precision."""
-        return np.asarray(np.linalg.solve(self.weight(X), self._cross(X)), dtype=np.float64)
-
-    def _cross(self, X: Array) -> Array:
-        XB = self.B.T @ X
-        return (XB if self.continuous else XB @ self.A) + self.N.T
-
     def weight(self, X: Array) -> Array:
         """Return R or S."""
         return self.R if self.continuous else self.R + self.B.T @ X @ self.B
-
-    def residual(self, X: Array) -> tuple[Array, Array]:
-        """Return the equation's left side at a symmetric X, summed in twice double precision, and L, refined by d.
-
-        The refinement of a row of L also ends when its correction no longer halves: the rest is rounding error.
-
-        Raises LinAlgError when R or S is singular.
-        """
-        S, L = self.weight(X), self.gain(X)
-        last = np.full(len(L), np.inf)
-        for _ in range(MAX_REFINEMENTS):
-            large, defect = self._sums(X, L)
-            d = defect.rounded()
-            small = np.linalg.solve(S, d)
-            F = large.high + (large.low - (L.T + small.T) @ d)
-            polished = L + small
-            correction = np.abs(small).max(axis=1)
-            if ((correction <= REFINEMENT_TOLERANCE * np.abs(L).max(axis=1)) | (correction > last / 2)).all():
-                break
-            L, last = polished, correction
-        return (F + F.T) / 2, polished
-
-    def _sums(self, X: Array, L: Array) -> tuple[Twofold, Twofold]:
-        """Return the large terms of the residual (n, n), and d (m, n)."""
-        n, AB = len(X), np.concatenate([self.A, self.B], axis=1)
-        if self.continuous:
-            XAB = twofold.product(X, AB)
-            XA, P = XAB[:, :n], XAB[:, n:] + self.N
-            return XA + XA.T + self.Q - twofold.product(P, L), P.T - twofold.product(self.R, L)
-        stacked = twofold.product(np.concatenate([self.B, self.N, self.R]), L)
-        both = twofold.product(AB.T, twofold.product(X, -stacked[:n] + self.A))
-        return both[:n] + self.Q - X - stacked[n : 2 * n], both[n:] + self.N.T - stacked[2 * n :]
-
-    def gain_terms(self, X: Array) -> Array:
-        """Return the sum (m, n) of the absolute values of the terms of L at X."""
-        XB = np.abs(self.B).T @ np.abs(X)
-        P = (XB if self.continuous else XB @ np.abs(self.A)) + np.abs(self.N).T
-        return np.asarray(np.abs(np.linalg.inv(self.weight(X))) @ P)
 
     def terms(self, X: Array) -> Array:
         """Return the sum (n, n) of the absolute values of the equation's terms at X."""

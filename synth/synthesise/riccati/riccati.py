@@ -12,10 +12,8 @@ for A (n, n), B (n, m), Q (n, n), R (m, m), N (n, m); R > 0 in continuous time, 
 shows that x0'X x0 is the least cost of bringing x0 to rest (Willems 1971). It is the least cost of all inputs where the
 cost is positive semidefinite and each mode that does not decay is observable in it.
 
-By default the equation is solved in double precision: states and inputs are balanced by powers of 2, doubling gives a
-start, and Newton's method with a residual in twice double precision converges to within rounding. The solution is
-accepted if its certificate holds. Otherwise ball arithmetic solves the equation, for up to 32 states. With `exact`,
-ball arithmetic rounds X and L correctly, with the same result on every machine.
+Ball arithmetic (module `exact_riccati`) rounds each entry of X and L correctly, so the result is the same on every
+machine.
 """
 
 import numpy as np
@@ -25,13 +23,12 @@ from synth import arguments, show
 from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
-from synth.synthesise.riccati import doubling, exact_riccati, modes, newton, solvability, weights
-from synth.synthesise.riccati.balance import Balance
-from synth.synthesise.riccati.equation import Equation, Solution, decays
+from synth.synthesise.riccati import exact_riccati, modes, solvability, weights
+from synth.synthesise.riccati.balance import Balance, Certificate
+from synth.synthesise.riccati.equation import Equation, Solution
 from synth.timing import Continuous, Time
 
-MAX_FORWARD_ERROR = 1e-8  # forward error up to which a solution in double precision is accepted
-BALLS = 32  # number of states up to which ball arithmetic is tried
+MAX_CONDITION = 1e13  # condition above which the modes are searched: the equation is close to unsolvable
 
 
 @show.result
@@ -39,8 +36,7 @@ class Riccati:
     """The stabilising solution X (n, n) and L (m, n), u = -L x, for the weights Q, R, N, with its certificate.
 
     `poles` (n,) are those of A - B L, in 1/s or in z. `defect` and `step` (n, n) hold the absolute entries of the
-    equation's left side at X and of the further Newton step from X, an estimate of X's error, or, with `exact`, that
-    error itself; from them
+    equation's left side at X and of the error of X, or, for an X of any origin, of Newton's step from it; from them
 
     `residual`       the largest entry of the left side at X, relative to the sum of the absolute values of its terms
     `forward_error`  the largest error of X_ij over sqrt(X_ii X_jj); infinite where A - B L is not stable
@@ -129,39 +125,31 @@ class Riccati:
 
 
 @arguments.checked
-def solve(
-    system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False
-) -> Riccati:
+def solve(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None) -> Riccati:
     """Solve the Riccati equation of a model's A, B in its own time; Q (n, n), R (m, m), N (n, m), zero if left out.
 
     Q weights the states, R the inputs, as matrix, diagonal or {name: weight}. Q may be indefinite and in discrete time
-    R singular or indefinite; the result states in what sense X is the least cost. `exact` rounds each entry of X and L
-    correctly.
+    R singular or indefinite; the result states in what sense X is the least cost.
 
     Raises SignalError for weights of the wrong shape, an asymmetric Q or R, or in continuous time an R that is not
     positive definite; ModelError when (A, B) is not stabilisable or a mode on the stability boundary is not observable
     in the cost, naming the mode and its states, or when no stabilising solution is found.
     """
     model = of(system)
-    return solve_matrices(model, *weight_matrices(model, Q, R, N), exact)
+    return solve_matrices(model, *weight_matrices(model, Q, R, N))
 
 
-def solve_matrices(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
+def solve_matrices(model: StateSpace, Q: Array, R: Array, N: Array) -> Riccati:
     """Solve as `solve` does, for weights that `weight_matrices` returned."""
     equation = _equation(model, Q, R, N)
     balance = Balance.of(equation)
-    certified = _certified_solution(model, equation, balance)
-    solution = balance.unscale(certified.solution)
-    if exact:
-        solution = exact_riccati.solve(equation)
-        certified = balance.certify(solution)
-    rounded = solution if solution.exact_poles is not None else None
-    exact_poles = (lambda: (rounded or exact_riccati.solve(equation)).poles()) if len(model.states) <= BALLS else None
-    marginal = solvability.marginal_poles(
-        model, equation, certified.poles, certified.condition > newton.MAX_CONDITION, exact_poles
-    )
-    solvability.require_unique_gain(model, balance.scaled.weight(certified.solution.X))
-    return _with_certificate(model, equation, solution, certified, balance, marginal)
+    solution = _stabilising_solution(model, equation, balance.scaled)
+    certificate = balance.certify(solution)
+    rigid = certificate.condition > MAX_CONDITION
+    marginal = solvability.marginal_poles(model, equation, solution.poles(), rigid)
+    X = solution.X * balance.D * balance.D[:, None]
+    solvability.require_unique_gain(model, balance.scaled.weight(X))
+    return _with_certificate(model, equation, solution, certificate, balance, marginal)
 
 
 @arguments.checked
@@ -171,7 +159,6 @@ def certify(
     R: weights.Weight,
     X: ArrayLike,
     N: ArrayLike | None = None,
-    exact: bool = False,
 ) -> Riccati:
     """Return any symmetric X (n, n) with its L and its certificate; other arguments as for `solve`.
 
@@ -181,7 +168,7 @@ def certify(
     stated = _equation(model, *weight_matrices(model, Q, R, N))
     X = weights.symmetric("X", X, model.states)
     balance = Balance.of(stated)
-    solution = exact_riccati.certify(stated, X) if exact else balance.unscale(balance.evaluate(X))
+    solution = exact_riccati.certify(stated, X)
     return _with_certificate(
         model, stated, solution, balance.certify(solution), balance, np.zeros(0, dtype=np.complex128)
     )
@@ -210,38 +197,22 @@ def _equation(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
     return Equation(model.A, model.B, Q, R, N, isinstance(model.time, Continuous))
 
 
-def _certified_solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.CertifiedSolution:
-    """Return the solution of the balanced equation in double precision, or rounded from balls where that is off."""
-    scaled, nearest, n = balance.scaled, np.inf, len(model.states)
-    start = doubling.solution(scaled, balance.bilinear)
-    candidate = None if start is None else newton.refine(scaled, start, balance.bilinear)
-    if candidate is not None and decays(candidate.poles, scaled.continuous):
-        nearest = candidate.error
-        if nearest <= MAX_FORWARD_ERROR:
-            return candidate
-    hidden = solvability.hidden_mode_error(model, stated)
-    if hidden is not None and n > BALLS:
-        raise hidden
-    if not weights.is_above(weights.joint_weight(scaled.Q, scaled.R, scaled.N), -weights.ROUNDING):
-        solvability.require_clear_boundary(scaled)
-    least_mode = solvability.least_stabilisable_mode(model, scaled)
-    if n > BALLS:
-        status = f"an error of {nearest:.1e} of X is left" if np.isfinite(nearest) else "no loop that decays was found"
-        raise ModelError(
-            f"the Riccati equation has no stabilising solution that double precision resolves: {status}, and the "
-            f"weight R has the condition {np.linalg.cond(scaled.R):.1e}; {least_mode} weight inputs and states "
-            f"more alike, or "
-            f"leave out nearly uncontrollable modes; ball arithmetic takes up to {BALLS} states, not {n}"
-        )
+def _stabilising_solution(model: StateSpace, stated: Equation, scaled: Equation) -> Solution:
+    """Return the solution, or raise the ModelError that names the cause where there is none."""
     try:
-        return newton.certify(scaled, exact_riccati.solve(scaled), balance.bilinear)
+        return exact_riccati.solve(stated)
     except ModelError as error:
+        hidden = solvability.hidden_mode_error(model, stated)
         if hidden is not None:
             raise hidden from error
-        least = weights.lowest_eigenvalue(weights.joint_weight(scaled.Q, scaled.R, scaled.N))
+        cost = weights.joint_weight(scaled.Q, scaled.R, scaled.N)
+        if not weights.is_above(cost, -weights.ROUNDING):
+            solvability.require_clear_boundary(scaled)
+        least = weights.lowest_eigenvalue(cost)
         hint = f"; balanced, [Q, N; N', R] has the eigenvalue {least:.1e}, which slow modes magnify: raise Q"
         raise ModelError(
-            f"{error}; {least_mode} actuate it, or take it out of the model{hint if least < 0 else ''}"
+            f"{error}; {solvability.least_stabilisable_mode(model, scaled)} actuate it, or take it out of the model"
+            f"{hint if least < 0 else ''}"
         ) from error
 
 
@@ -249,7 +220,7 @@ def _with_certificate(
     model: StateSpace,
     stated: Equation,
     solution: Solution,
-    certified: newton.CertifiedSolution,
+    certificate: Certificate,
     balance: Balance,
     marginal: Complex,
 ) -> Riccati:
@@ -261,13 +232,13 @@ def _with_certificate(
         Q=readonly(stated.Q),
         R=readonly(stated.R),
         N=readonly(stated.N),
-        poles=certified.poles,
-        residual=certified.residual,
-        forward_error=certified.forward_error,
-        condition=certified.condition,
-        least_eigenvalue=balance.least_eigenvalue(solution.X, certified.forward_error),
+        poles=solution.poles(),
+        residual=certificate.residual,
+        forward_error=certificate.forward_error,
+        condition=certificate.condition,
+        least_eigenvalue=balance.least_eigenvalue(solution.X, certificate.forward_error),
         marginal=tuple(complex(s) for s in marginal),
-        mirrored=solvability.mirrored_modes(model, stated, scaled, certified.poles),
+        mirrored=solvability.mirrored_modes(model, stated, scaled, solution.poles()),
         cost_eigenvalue=weights.least_eigenvalue(weights.joint_weight(scaled.Q, scaled.R, scaled.N)),
         weight_eigenvalue=weights.least_eigenvalue(scaled.weight(X)),
         defect=readonly(np.abs(solution.defect)),

@@ -14,7 +14,7 @@ A stable loop with a certified X proves all of this. Where the loop decays slowl
 searched, and the error names the mode.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.linalg
@@ -39,46 +39,29 @@ UNIT = 2.0**-50  # times n: the distance from the unit circle that rounding of e
 WEIGHTED_THRESHOLD = 1e-10  # of the largest eigenvalue of Q
 
 
-def marginal_poles(
-    model: StateSpace, equation: Equation, poles: Complex, rigid: bool, exact: Callable[[], Complex] | None
-) -> Complex:
+def marginal_poles(model: StateSpace, equation: Equation, poles: Complex, rigid: bool) -> Complex:
     """Return the poles that decay, but by less than the rounding of the model; usually there are none.
 
-    Where a mode on the stability boundary is unobservable within rounding, `exact` decides: it returns the poles in
-    ball arithmetic or raises ModelError; it is None where that takes too long. Modes are searched where a pole decays
-    slowly, or where Newton's linear equation is `rigid`, i.e. ill-conditioned.
+    `poles` (n,) are those of ball arithmetic. Modes are searched where a pole decays slowly, or where the equation is
+    `rigid`, i.e. ill-conditioned.
 
-    Raises ModelError unless all poles of the loop decay.
+    Raises ModelError unless all poles of the loop decay, in discrete time beyond rounding.
     """
     size = float(np.abs(poles).max())
-    if equation.continuous:
-        doubtful = -poles.real < np.maximum(MARGIN * (size or 1.0), DAMPING * np.abs(poles))
-    else:
-        doubtful = 1 - np.abs(poles) < MARGIN
-    marginal = np.zeros(0, dtype=np.complex128)
-    searched = doubtful.any() or (rigid and exact is not None)
-    if searched and (error := hidden_mode_error(model, equation)) is not None:
-        poles = _poles_in_ball_arithmetic(error, exact)
-        rates = -poles.real if equation.continuous else 1 - np.abs(poles)
-        if not equation.continuous and rates.min() < UNIT * len(poles):
-            raise error
-        marginal = poles[rates <= 2 * rates.min()]
     if not decays(poles, equation.continuous):
         slowest = poles[np.argmax(poles.real if equation.continuous else np.abs(poles))]
         raise ModelError(
             f"the Riccati equation's solution leaves the pole {slowest:.4g}, which does not decay: "
             "scale the weights and the states to similar size"
         )
-    return marginal
-
-
-def _poles_in_ball_arithmetic(error: ModelError, exact: Callable[[], Complex] | None) -> Complex:
-    if exact is None:
+    rates = -poles.real if equation.continuous else 1 - np.abs(poles)
+    least = np.maximum(MARGIN * (size or 1.0), DAMPING * np.abs(poles)) if equation.continuous else MARGIN
+    searched = rigid or (rates < least).any()
+    if not searched or (error := hidden_mode_error(model, equation)) is None:
+        return np.zeros(0, dtype=np.complex128)
+    if not equation.continuous and rates.min() < UNIT * len(poles):
         raise error
-    try:
-        return exact()
-    except ModelError as reason:
-        raise error from reason
+    return poles[rates <= 2 * rates.min()]
 
 
 def hidden_mode_error(model: StateSpace, stated: Equation) -> ModelError | None:

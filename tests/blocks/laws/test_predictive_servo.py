@@ -30,7 +30,7 @@ def gain(modes: dict[float, float] = MODES) -> lqr.Gain:
     model, Q = internal_model.augmented(axis, list(modes)), np.zeros((5, 5))
     Q[0, 0], Q[1, 1] = 1e7, 2e4
     Q[2:, 2:] = internal_weights(modes, 1e7)
-    return lqr.lqr(model, Q, np.eye(1), exact=True)
+    return lqr.lqr(model, Q, np.eye(1))
 
 
 def servo(limits: predictive_servo.Limits = LIMITS, modes: dict[float, float] = MODES, **changed: Any) -> Block:

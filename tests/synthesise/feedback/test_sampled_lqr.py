@@ -30,20 +30,18 @@ def test_the_period_cost_agrees_with_quadrature(seed: int, T: float) -> None:
     assert np.abs(cost.N).max() > 1e-6 * np.abs(W).max()  # a cross term where Q and R have none
 
 
-@pytest.mark.parametrize("exact", [False, True])
-def test_the_period_cost_of_an_integrator_is_its_closed_form(exact: bool) -> None:
+def test_the_period_cost_of_an_integrator_is_its_closed_form() -> None:
     """x' = u, Q = R = 1: W = [[T, T^2/2], [T^2/2, T + T^3/3]]."""
     T = 0.5
-    cost = lqr.sampled_cost(model([[0]], [[1]]), [[1]], [[1]], T, exact=exact)
+    cost = lqr.sampled_cost(model([[0]], [[1]]), [[1]], [[1]], T)
     assert (cost.Q[0, 0], cost.N[0, 0], cost.R[0, 0]) == (T, T * T / 2, T + T**3 / 3)
 
 
 @pytest.mark.parametrize("a", [-30.0, -300.0])
 def test_the_period_cost_of_a_fast_mode_keeps_its_digits(a: float) -> None:
     """x' = a x + u over 1 s: int exp(2 a t) dt; the exponentials inside reach exp(300)."""
-    for exact, few in ((True, 1e-15), (False, tolerances.of("folded"))):
-        cost = lqr.sampled_cost(model([[a]], [[1]]), [[1]], [[1]], 1.0, exact=exact)
-        assert cost.Q[0, 0] == pytest.approx(np.expm1(2 * a) / (2 * a), rel=few)
+    cost = lqr.sampled_cost(model([[a]], [[1]]), [[1]], [[1]], 1.0)
+    assert cost.Q[0, 0] == pytest.approx(np.expm1(2 * a) / (2 * a), rel=1e-15)
 
 
 def simulated_cost(c: StateSpace, K: np.ndarray, Q: np.ndarray, R: np.ndarray, T: float, x: np.ndarray) -> float:

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from synth.statespace import StateSpace, of
 from synth.synthesise.observers import kalman
-from synth.synthesise.riccati import riccati
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
 from tests.synthesise.observers.models import mass, run, scalar
@@ -158,15 +157,6 @@ def test_many_fast_samples_of_large_covariance_are_the_continuous_filter() -> No
     np.testing.assert_allclose(fast.prior, limit.prior, rtol=0.01)
     slow = kalman.kalmd(mass(), {"v": 1e-3}, [V / (10 * T)], 10 * T)
     assert np.abs(fast.L / T - limit.L).max() < 0.2 * np.abs(slow.L / (10 * T) - limit.L).max()
-
-
-def test_exact_filters_agree_to_the_last_digits_with_those_in_double_precision() -> None:
-    arguments = (mass(), {"v": 1e-3}, [25e-10], 1e-3)
-    exact, plain = kalman.kalmd(*arguments, exact=True), kalman.kalmd(*arguments)
-    for name in ("L", "M", "prior", "posterior"):
-        np.testing.assert_allclose(getattr(plain, name), getattr(exact, name), rtol=tolerances.of("double"))
-    m, e = exact.model, exact.noise
-    np.testing.assert_array_equal(riccati.solve((m.A.T, m.C.T, m.time), e.W, e.V, exact=True).X, exact.prior)
 
 
 # Simulation

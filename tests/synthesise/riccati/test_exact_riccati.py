@@ -45,13 +45,13 @@ def test_scalar_problems_are_correctly_rounded(a: float, b: float, q: float, r: 
         gains = float(B * flow / R), float(A * B * step / (R + B**2 * step))
         values = float(flow), float(step)
     for time, X, L in zip((CONTINUOUS, SAMPLED), values, gains, strict=True):
-        solution = riccati.solve(([[a]], [[b]], time), [[q]], [[r]], exact=True)
+        solution = riccati.solve(([[a]], [[b]], time), [[q]], [[r]])
         assert (solution.X[0, 0], solution.L[0, 0]) == (X, L)
 
 
 def test_the_double_integrator_is_correctly_rounded() -> None:
     """Q = I, R = 1: X = [[sqrt 3, 1], [1, sqrt 3]], L = [1, sqrt 3]."""
-    solution = riccati.solve(([[0, 1], [0, 0]], [[0], [1]]), np.eye(2), [[1.0]], exact=True)
+    solution = riccati.solve(([[0, 1], [0, 0]], [[0], [1]]), np.eye(2), [[1.0]])
     np.testing.assert_array_equal(solution.X, [[np.sqrt(3), 1], [1, np.sqrt(3)]])
     np.testing.assert_array_equal(solution.L, [[1, np.sqrt(3)]])
     np.testing.assert_allclose(solution.poles, [-np.sqrt(3) / 2 - 0.5j, -np.sqrt(3) / 2 + 0.5j], rtol=1e-14)
@@ -60,13 +60,13 @@ def test_the_double_integrator_is_correctly_rounded() -> None:
 def test_weights_of_different_size_are_correctly_rounded() -> None:
     """Q = diag(q^2, 0): L = [q, sqrt(2 q)], X = [[q sqrt(2 q), q], [q, sqrt(2 q)]]."""
     q = 2.0**21
-    solution = riccati.solve(([[0, 1], [0, 0]], [[0], [1]]), np.diag([q * q, 0]), [[1.0]], exact=True)
+    solution = riccati.solve(([[0, 1], [0, 0]], [[0], [1]]), np.diag([q * q, 0]), [[1.0]])
     np.testing.assert_array_equal(solution.X, [[q * np.sqrt(2 * q), q], [q, np.sqrt(2 * q)]])
 
 
 def test_decoupled_axes_stay_decoupled() -> None:
     A, B = scipy.linalg.block_diag([[0, 1], [0, 0]], [[0.5]]), np.array([[0, 0], [1, 0], [0, 1]])
-    solution = riccati.solve((A, B), np.diag([3.0, 1.0, 2.0]), np.eye(2), exact=True)
+    solution = riccati.solve((A, B), np.diag([3.0, 1.0, 2.0]), np.eye(2))
     assert not solution.X[:2, 2].any() and not solution.L[0, 2] and not solution.L[1, :2].any()
 
 
@@ -74,12 +74,12 @@ def test_decoupled_axes_stay_decoupled() -> None:
 @pytest.mark.parametrize("size", [1e-15, 1e-9, 1e-6])
 def test_the_certificate_flags_a_perturbed_solution(time: Time, size: float) -> None:
     system, Q, R = random_problem(8, time)
-    right = riccati.solve(system, Q, R, exact=True)
+    right = riccati.solve(system, Q, R)
     E, unit = np.random.default_rng(0).normal(size=right.X.shape), np.sqrt(np.diag(right.X))
     wrong = right.X + size * (E + E.T) / np.abs(E + E.T).max() * unit * unit[:, None]
     wrong = (wrong + wrong.T) / 2
-    flagged = riccati.certify(system, Q, R, wrong, exact=True)
-    again = riccati.certify(system, Q, R, right.X, exact=True)
+    flagged = riccati.certify(system, Q, R, wrong)
+    again = riccati.certify(system, Q, R, right.X)
     assert again.forward_error == pytest.approx(right.forward_error, rel=1e-6)
     assert right.forward_error <= HALF_BIT < flagged.forward_error
     assert flagged.forward_error == pytest.approx(size, rel=0.5)
@@ -94,7 +94,7 @@ def test_more_bits_are_taken_where_the_first_ones_do_not_suffice(monkeypatch: py
     C = rng.normal(size=(rng.integers(1, n + 1), n))
     Q, R = C.T @ C, 1e-14 * np.eye(m)
     Q = (Q + Q.T) / 2
-    solution = riccati.solve((A, B), Q, R, exact=True)
+    solution = riccati.solve((A, B), Q, R)
     assert solution.forward_error <= 1e-12 and solution.residual <= HALF_BIT
     equation = Equation(A, B, Q, R, np.zeros(B.shape), True)
     for bits in ((64, precise.BITS), (64,)):
@@ -259,20 +259,18 @@ def test_twenty_four_states_take_less_than_a_second() -> None:
 
 
 @pytest.mark.parametrize(("time", "a", "X"), [(CONTINUOUS, 1.0, 1 - 2**0.5), (SAMPLED, 2.0, 2 - 5**0.5)])
-@pytest.mark.parametrize("exact", [False, True])
-def test_another_solution_than_the_stabilising_one_is_reported(time: Time, a: float, X: float, exact: bool) -> None:
+def test_another_solution_than_the_stabilising_one_is_reported(time: Time, a: float, X: float) -> None:
     """b = q = r = 1: X^2 = 2 a X + 1, or X^2 = a^2 X + 1, has a negative root, too, which leaves the loop unstable."""
-    solution = riccati.certify(([[a]], [[1.0]], time), [1.0], [1.0], [[X]], exact=exact)
+    solution = riccati.certify(([[a]], [[1.0]], time), [1.0], [1.0], [[X]])
     assert solution.forward_error == solution.condition == np.inf and solution.residual <= tolerances.of("double")
     assert solution.poles.real > 0 if time is CONTINUOUS else abs(solution.poles) > 1
 
 
 @pytest.mark.parametrize("apart", [1e-6, 1e-8, 1e-10])
-@pytest.mark.parametrize("exact", [False, True])
-def test_nearly_unstabilisable_pairs_are_left_to_ball_arithmetic(apart: float, exact: bool) -> None:
+def test_nearly_unstabilisable_pairs_are_solved(apart: float) -> None:
     """Modes 1 and 1 + e under one input: the poles tend to -1 and -sqrt 3, seen in mpmath on the rounded L."""
     A = np.diag([1, 1 + apart])
-    solution = riccati.solve((A, [[1], [1]]), [1.0, 1.0], [1.0], exact=exact)
+    solution = riccati.solve((A, [[1], [1]]), [1.0, 1.0], [1.0])
     np.testing.assert_allclose(solution.poles, [-np.sqrt(3), -1], rtol=2 * apart)
     assert solution.forward_error <= HALF_BIT
     with mpmath.workdps(60):
