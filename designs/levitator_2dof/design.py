@@ -11,7 +11,7 @@ from pathlib import Path
 from designs.levitator_2dof import reference
 from models import levitator
 from synth import stage
-from synth.analyse import linearisation, operating_points
+from synth.analyse import operating_points
 from synth.blocks.laws import axis
 from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepResponse, Track
 from synth.declare.tuning import FreeParameter, Tuning
@@ -61,7 +61,7 @@ def axes(p: Mapping[str, float]) -> tuple[axis.ServoLaw, axis.ServoLaw]:
         set_point_weight=p["set_point_weight_z"],
     )
     x = axis.servo(
-        linearisation.linearise(PLANT, REST).channel("x", "i2"),
+        operating_points.linearise(PLANT, REST).channel("x", "i2"),
         modes={0.0: 25.0, SCAN: 20.0, MAINS: 20.0},
         weights={"x": 1e8, "vx": p["damping_x"]},
         command_weight=1e1,

@@ -40,7 +40,7 @@ from synth import stage
 from synth.block import Block, Constant, Exprs, Step, build, clip
 from synth.blocks.estimate import predictor
 from synth.blocks.faults import probe
-from synth.blocks.guard import range_numbers
+from synth.blocks.guard import safety
 from synth.blocks.laws import predictive_servo
 from synth.blocks.laws.axis_regulator import internal_weights
 from synth.plant import Plant
@@ -191,7 +191,7 @@ def _numbers(plant: Plant) -> list[Constant]:
         *maglev_stage.inverse_masses(plant),
         plant.constant("r"),
         *pmlsm.numbers(plant),
-        *(n for s in HELD for n in range_numbers.ends(s)),
+        *(n for s in HELD for n in safety.ends(s)),
         Constant("direct_limit", DIRECT, "A", "largest direct current, rms: a little below the current limit"),
         Constant("current_limit", CURRENT, "A", "largest current of a motor, rms: 7 A peak", is_limit=True),
         Constant("squared_current_limit", CURRENT**2, "A^2", "square of the current limit, 7 A peak"),

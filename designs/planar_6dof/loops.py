@@ -27,7 +27,7 @@ from designs.planar_6dof import loop as simulated
 from designs.planar_6dof.allocation import AXES
 from models import planar_stage
 from models.planar_stage import commutation_matrix
-from synth.analyse import linearisation, operating_points
+from synth.analyse import operating_points
 from synth.analyse.loops import loop, robustness, stability_margins
 from synth.block import Block
 from synth.declare.stage import Stage
@@ -70,7 +70,7 @@ class OpenLoop:
 def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> LoopParts:
     """Return plant and controller of the loop of a whole controller, with the platen at rest at a place."""
     pose = {**MIDDLE, **place}
-    stage = linearisation.linearise(plant, operating_points.trim(plant, pose, []))
+    stage = operating_points.linearise(plant, operating_points.trim(plant, pose, []))
     C = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
     K = loop.linearise_block(block, *rest_point(plant, block, pose))
     return in_motor_coordinates(stage.select(AXES, PHASES), K, C, commutation_matrix(plant, pose), delay)

@@ -47,7 +47,7 @@ from synth.report import page
 from synth.signals import Signal
 from synth.simulate.experiment import Experiment
 from synth.statespace import Array, StateSpace, readonly
-from synth.synthesise.observers import kalman, reduced_compensator, reduced_observer
+from synth.synthesise.observers import kalman, reduced_observer
 from synth.verify import operations
 from synth.verify.agree import Columns
 
@@ -67,13 +67,13 @@ INTEGRAL_LIMIT = 2 * LIMIT  # A
 SMALL = 1e-9  # of the largest residue: smaller ones belong to another axis
 
 
-def compensator() -> reduced_compensator.Compensator:
+def compensator() -> reduced_observer.Compensator:
     """Return (33)-(35) at 800 Hz with the integrals of (31), certified by the library."""
     held = discretise.zero_order_hold(lqg.model(integrals=False), TIME.period_s)
     L = np.diag([(1 - OBSERVER_POLE[axis]) / TIME.period_s for axis in HORIZONTAL])
     observer = reduced_observer.from_gain(held, HORIZONTAL, L)
     integrals = interconnect.integrals(held, dict(zip(INTEGRALS, HORIZONTAL, strict=True)))
-    return reduced_compensator.compensator(observer, gain(), integrals)
+    return reduced_observer.compensator(observer, gain(), integrals)
 
 
 def estimator() -> kalman.Estimator:

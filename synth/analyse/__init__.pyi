@@ -1,6 +1,5 @@
 from synth.analyse.discretise import delay_samples as delay_samples
 from synth.analyse.discretise import zero_order_hold as c2d
-from synth.analyse.linearisation import linearise as linearise
 from synth.analyse.loops.disk import of_loop as disk_margin
 from synth.analyse.loops.feedback_loop import close as sensitivity
 from synth.analyse.loops.feedback_loop import feedback as feedback
@@ -8,6 +7,7 @@ from synth.analyse.loops.interconnect import connect as connect
 from synth.analyse.loops.stability_margins import of_loop as margins
 from synth.analyse.loops.transfer import response as frequency_response
 from synth.analyse.loops.transfer import with_delay_and_hold as with_delay_and_hold
+from synth.analyse.operating_points import linearise as linearise
 from synth.analyse.operating_points import trim as trim
 from synth.analyse.structure.gramian import gramians as gramians
 from synth.analyse.structure.realisation import minimal as minreal

@@ -6,6 +6,12 @@ over the free states and inputs, all others held. ref_j is the value nearest zer
 half the width of that range. Redundant inputs get their smallest values. Several roots may exist, for example with a
 quadratic input. The search starts from a fixed set of points in the ranges and returns the nearest of all roots found
 (`nearest_root`). Roots at equal distances are in `OperatingPoint.ties`.
+
+Linearisation about an operating point (MATLAB `linearize`): dx/dt = A x + B u, y = C x + D u for small deviations.
+
+    A = df/dx, B = df/du, C = dh/dx, D = dh/du
+
+at (x0, u0, p0), by exact differentiation of the plant's expressions.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -21,7 +27,8 @@ from synth.analyse.numerics import nearest_root
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
-from synth.statespace import Array, readonly
+from synth.statespace import Array, StateSpace, readonly
+from synth.timing import Continuous
 
 Linear = Callable[[Array], tuple[Array, Array]]
 
@@ -220,3 +227,29 @@ def _no_trim(plant: Plant, problem: _Problem, z: Array, free: tuple[str, ...], f
         f"{residual[worst]:.4g} {state.unit}/s with {', '.join(free) or 'nothing'} free and "
         f"{', '.join(fixed) or 'nothing'} held{others}: free a signal that acts on '{state.name}', or hold other values"
     )
+
+
+@arguments.checked
+def linearise(plant: Plant, point: OperatingPoint) -> StateSpace:
+    """Return the Jacobians A (n, n), B (n, m), C (p, n), D (p, m) at `point`, in the units of the signals.
+
+    Raises SignalError when `point` belongs to another plant, or a derivative is not finite there.
+    """
+    require_point(plant, point)
+    x, u, p = (ca.SX.sym(s, len(v)) for s, v in (("x", point.x), ("u", point.u), ("p", point.p)))
+    f, h = plant.f(x, u, p), plant.h(x, u, p)
+    jacobians = [ca.jacobian(expr, arg) for expr in (f, h) for arg in (x, u)]
+    at_point = ca.Function("jacobians", [x, u, p], jacobians)(point.x, point.u, point.p)
+    A, B, C, D = (np.asarray(ca.DM(matrix)) for matrix in at_point)
+    units = {s.name: s.unit for s in (*plant.states, *plant.inputs, *plant.outputs)}
+    return StateSpace(A, B, C, D, point.states, point.inputs, signal_names(plant.outputs), Continuous(), units)
+
+
+@arguments.checked
+def require_point(plant: Plant, point: OperatingPoint) -> None:
+    """Raise SignalError when `point` belongs to another plant."""
+    if (point.states, point.inputs) != (signal_names(plant.states), signal_names(plant.inputs)):
+        raise SignalError(
+            f"the operating point has states {', '.join(point.states)} and inputs {', '.join(point.inputs)}, "
+            f"which are not those of plant '{plant.name}': trim this plant"
+        )

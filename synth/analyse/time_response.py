@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from synth import arguments, show
 from synth.analyse import discretise
 from synth.analyse.loops import transfer
-from synth.analyse.numerics import equilibrate
+from synth.analyse.numerics import magnitude
 from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous
@@ -247,7 +247,7 @@ def _final(model: StateSpace) -> Array | None:
     if not transfer.is_stable(model.poles, model.time):
         return None
     resolvent = -model.A if isinstance(model.time, Continuous) else np.eye(len(model.A)) - model.A
-    if equilibrate.is_singular(resolvent):
+    if magnitude.is_singular(resolvent):
         return None
     return np.asarray(model.C @ np.linalg.solve(resolvent, model.B) + model.D)
 

@@ -17,7 +17,7 @@ from fnmatch import fnmatchcase
 from functools import partial
 from math import inf, isfinite, nan
 
-from synth.analyse.loops import disk, robustness, stability_margins, tolerances
+from synth.analyse.loops import disk, robustness, stability_margins
 from synth.analyse.loops.robustness import Survey
 from synth.check import NO_LIMIT, Check
 from synth.declare.stage import Stage
@@ -57,7 +57,7 @@ def survey(stage: Stage) -> Survey | None:
         return _own_loops(stage.loops(stage))
     nominal = standard.loops(stage)
     surveys = [robustness.survey(nominal, nominal.groups)]
-    if corners := tolerances.corners(stage.plant, stage.tolerances):
+    if corners := robustness.corners(stage.plant, stage.tolerances):
         surveys.append(robustness.survey(replace(nominal, cases=corners), {AT_ONCE: nominal.groups[AT_ONCE]}))
     return Survey(
         [loop for each in surveys for loop in each.loops],

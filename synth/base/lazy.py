@@ -2,7 +2,7 @@
 
 The stub beside a package's ``__init__.py`` is the one list of its names, for users, editors and type checkers alike:
 
-    from synth.analyse.linearisation import linearise as linearise      that function, imported when it is used
+    from synth.analyse.operating_points import linearise as linearise      that function, imported when it is used
     __all__ = ["linearise"]                                             what type checkers take as exported
 """
 

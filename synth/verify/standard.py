@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from synth.analyse.loops import robustness, tolerances
+from synth.analyse.loops import robustness
 from synth.block import Block
 from synth.check import Check
 from synth.declare.stage import Stage
@@ -131,7 +131,7 @@ def loops(stage: Stage) -> robustness.Loops:
 
 def over_tolerances(stage: Stage) -> robustness.Loops:
     """Return the loops of a stage for the nominal plant and for the corners of the declared tolerances."""
-    return replace(loops(stage), cases=(robustness.NOMINAL, *tolerances.corners(stage.plant, stage.tolerances)))
+    return replace(loops(stage), cases=(robustness.NOMINAL, *robustness.corners(stage.plant, stage.tolerances)))
 
 
 def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str]) -> dict[str, float]:

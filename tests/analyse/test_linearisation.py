@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from models import maglev_stage
-from synth.analyse.linearisation import linearise
-from synth.analyse.operating_points import OperatingPoint, trim
+from synth.analyse.operating_points import OperatingPoint, linearise, trim
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.statespace import StateSpace

@@ -216,7 +216,7 @@ def test_a_slice_holds_what_runs_and_little_else() -> None:
     from synth.analyse.loops import stability_margins
 
     modules = {module for module, _ in slices._places(slices._entry(stability_margins.of_loop))}
-    assert {"synth.analyse.loops.crossings", "synth.analyse.loops.rational", "synth.statespace"} <= modules
+    assert {"synth.analyse.loops.crossings", "synth.analyse.loops.zpk", "synth.statespace"} <= modules
     assert not any(module.startswith(("synth.emit", "synth.report", "synth.synthesise")) for module in modules)
 
 

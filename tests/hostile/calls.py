@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from synth.analyse.loops import equilibrium
-from synth.analyse.structure import lie, relative_degree
+from synth.analyse.structure import relative_degree
 from synth.blocks.estimate import advance
 from synth.blocks.guard import safety
 from synth.blocks.laws import lookup_table
@@ -18,7 +18,7 @@ from synth.signals import Parameter
 from synth.synthesise.feedback import lqr
 from synth.synthesise.identify import calibration, logs
 from synth.synthesise.observers import noise, square_root_kalman
-from synth.synthesise.regulation.minimal_polynomial import Mode
+from synth.synthesise.regulation.regulator_equations import Mode
 from synth.timing import Continuous
 from tests.hostile import stages, vocabulary
 from tests.hostile.examples import (
@@ -95,7 +95,7 @@ def examples() -> Mapping[str, Call]:
         "discretise.gramian": {"F": stage.A, "W": np.eye(2)},
         "discretise.delay_samples": {"system": held, "samples": 2},
         "interconnect.connect": {"models": [stage], "inputs": ["f"], "outputs": ["x"], "wires": {"f": {"f": 1.0}}},
-        "lie.affine": single,
+        "relative_degree.affine": single,
         "linearisation.linearise": single,
         "linearisation.require_point": single,
         "loop.cut": {"blocks": [example_step()], "signal": "y"},
@@ -116,7 +116,7 @@ def examples() -> Mapping[str, Call]:
         "magnitude.conditioning": {"matrix": matrix, "symbols": symbols},
         "relative_degree.of_plant": single,
         "plant.velocities": single,
-        "relative_degree.of_affine": {"model": lie.affine(maglev)},
+        "relative_degree.of_affine": {"model": relative_degree.affine(maglev)},
         "feedback_loop.close": {"controller": ([[-100.0]], [[1.0]], [[10.0]])},
         "feedback_loop.feedback": {"forward": ([[-100.0]], [[1.0]], [[10.0]])},
         "singularity.scaled": {

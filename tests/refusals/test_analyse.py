@@ -6,23 +6,21 @@ import numpy as np
 
 from models import maglev_stage
 from synth import plant as plants
-from synth.analyse import discretise, linearisation, operating_points, time_response
+from synth.analyse import discretise, operating_points, time_response
 from synth.analyse.loops import (
     disk,
     equilibrium,
-    equilibrium_equations,
     feedback_loop,
     interconnect,
     loop,
     peak_bounds,
     robustness,
     stability_margins,
-    tolerances,
     transfer,
 )
 from synth.analyse.numerics import magnitude
-from synth.analyse.observability import information, worst_deviation
-from synth.analyse.structure import gramian, lie, parity, relative_degree, structure, zero_dynamics
+from synth.analyse.observability import information
+from synth.analyse.structure import gramian, parity, relative_degree, structure, zero_dynamics
 from synth.errors import ModelError, SignalError, TimingError
 from synth.plant import Plant, Symbols
 from synth.signals import Parameter, Signal
@@ -131,7 +129,7 @@ MODEL = [
     call(magnitude.magnitudes, "term 'pole' is not finite at", terms={"pole": 1 / Y}, **BOX, along="T", points=[0.0]),
     *(
         call(
-            worst_deviation.search,
+            information.search,
             "unknown 0 exceeds ...at q = ...rank seems to be lost: add a sensor",
             deviations=lambda q, p=pole: np.divide(1, np.abs(q - p), np.full_like(q, np.inf), where=q != p),
             changes=lambda q, half: half + 0 * q,
@@ -143,10 +141,10 @@ MODEL = [
         )
         for pole in (1.001, 1.0)  # between the middles of cells, and on one
     ),
-    call(worst_deviation.search, "the lower ones first", low=[1.0], high=[0.0]),
-    call(worst_deviation.search, "are more than 3000", cells=[10**9], tolerance=0.001, max_cells=30000000),
-    *(call(worst_deviation.search, f"the tolerance is {t}", tolerance=t) for t in (np.nan, 0.0)),
-    *(call(worst_deviation.search, "both are bounds of sizes", **deviation(*d)) for d in ((1.0, -5.0), (-1.0, 0.1))),
+    call(information.search, "the lower ones first", low=[1.0], high=[0.0]),
+    call(information.search, "are more than 3000", cells=[10**9], tolerance=0.001, max_cells=30000000),
+    *(call(information.search, f"the tolerance is {t}", tolerance=t) for t in (np.nan, 0.0)),
+    *(call(information.search, "both are bounds of sizes", **deviation(*d)) for d in ((1.0, -5.0), (-1.0, 0.1))),
     call(information.jacobians, "no finite derivative at [0. 0.]: leave", h=NORM, q=[[1.0, 1.0], [0.0, 0.0]]),
     call(
         gramian.over_horizon,
@@ -155,7 +153,11 @@ MODEL = [
         horizon_s=1.0,
     ),
     *(
-        call(lie.affine, "'tank' is not affine ...rate of 'level' in flow. Make flow states, with", **of_level(rate))
+        call(
+            relative_degree.affine,
+            "'tank' is not affine ...rate of 'level' in flow. Make flow states, with",
+            **of_level(rate),
+        )
         for rate in (
             lambda level, flow: flow**2,
             lambda level, flow: flow * level * flow,
@@ -166,9 +168,9 @@ MODEL = [
             lambda level, flow: ca.exp(flow) / level,
         )
     ),
-    call(lie.affine, "not affine in its inputs: 'y' in u", plant=clock(False)),
+    call(relative_degree.affine, "not affine in its inputs: 'y' in u", plant=clock(False)),
     call(
-        lie.affine,
+        relative_degree.affine,
         "the rate of 'vy' in i_d1; the rate of 'wphi' in i_d1. ",
         plant=MAGLEV,
         held=dict.fromkeys(("i_d2", "i_d3", "i_d4", "u_x", "u_z"), 0.0),
@@ -283,8 +285,8 @@ MODEL = [
 ]
 SIGNAL = [
     call(disk.of_loop, "as many outputs as inputs", loop=([[-1.0]], [[1.0, 2.0]], [[1.0]])),
-    call(equilibrium_equations.SampledLoop, "'height' is not one of gap", sensors={"seen": "height"}),
-    call(equilibrium_equations.SampledLoop, "'torque' is not one of drive", actuators={"current": "torque"}),
+    call(equilibrium.SampledLoop, "'height' is not one of gap", sensors={"seen": "height"}),
+    call(equilibrium.SampledLoop, "'torque' is not one of drive", actuators={"current": "torque"}),
     call(equilibrium.open_loop, "neither a sensor nor an actuator: name one of seen, current", signal="wish"),
     call(equilibrium.solve, "not known ['hope']", references={"hope": 1.0}),
     call(feedback_loop.close, "give the controller an input for each output", plant=MASS, controller=TWO),
@@ -331,8 +333,8 @@ SIGNAL = [
         delay=0,
     ),
     *(call(peak_bounds.state_bounds, "give 1, one for", inputs=u) for u in ([1.0, 1.0], [-1.0], [np.inf])),
-    call(tolerances.corners, "parameter 'a' is 0.5 ...the tolerance 0", plant=tank(), parameters=["a"]),
-    call(tolerances.corners, "2^11 corners", parameters=["k"] * 11),
+    call(robustness.corners, "parameter 'a' is 0.5 ...the tolerance 0", plant=tank(), parameters=["a"]),
+    call(robustness.corners, "2^11 corners", parameters=["k"] * 11),
     call(robustness.equilibrium_at, "no operating point 'mid': choose one of middle", point="mid"),
     call(robustness.of_controller, "no operating points", points={}),
     call(robustness.checks, "'phase' is not a known margin", require={"phase": 1.0}),
@@ -353,12 +355,12 @@ SIGNAL = [
     call(magnitude.conditioning, "contains T", matrix=OTHER, **BOX),
     call(magnitude.conditioning, "box is empty", matrix=X, symbols={}, box=()),
     call(magnitude.magnitudes, "no symbol for Z", terms={"e": X}, **BOX, along="Z"),
-    call(lie.affine, "no output 'pq': it has px, pz", plant=AIRCRAFT, outputs=["pq"]),
-    call(lie.affine, "each once", plant=AIRCRAFT, outputs=["px", "px"]),
-    call(lie.affine, "name at least one", plant=AIRCRAFT, outputs=[]),
-    call(lie.affine, "no input 'Q' to hold: it has T, M", plant=AIRCRAFT, held={"Q": 1.0}),
-    call(lie.affine, "'T' is held at nan", plant=AIRCRAFT, held={"T": np.nan}),
-    call(lie.affine, "every input is held", plant=AIRCRAFT, held={"T": 1.0, "M": 0.0}),
+    call(relative_degree.affine, "no output 'pq': it has px, pz", plant=AIRCRAFT, outputs=["pq"]),
+    call(relative_degree.affine, "each once", plant=AIRCRAFT, outputs=["px", "px"]),
+    call(relative_degree.affine, "name at least one", plant=AIRCRAFT, outputs=[]),
+    call(relative_degree.affine, "no input 'Q' to hold: it has T, M", plant=AIRCRAFT, held={"Q": 1.0}),
+    call(relative_degree.affine, "'T' is held at nan", plant=AIRCRAFT, held={"T": np.nan}),
+    call(relative_degree.affine, "every input is held", plant=AIRCRAFT, held={"T": 1.0, "M": 0.0}),
     *(
         call(
             zero_dynamics.of_linear,
@@ -371,12 +373,14 @@ SIGNAL = [
     call(
         zero_dynamics.of_linear,
         "1 degrees, 2 outputs and 2 inputs",
-        system=linearisation.linearise(AIRCRAFT, FLIGHT),
+        system=operating_points.linearise(AIRCRAFT, FLIGHT),
         degrees=(2,),
     ),
     call(discretise.gramian, "W is not symmetric: [0, 1] is 1.0, [1, 0] is 0.0", W=[[1, 1], [0, 1]]),
     call(discretise.gramian, "F is (2, 2) and W is (3, 3)", W=np.eye(3)),
-    call(linearisation.linearise, "not those of plant 'maglev_stage'", plant=MAGLEV, point=examples.usual()["point"]),
+    call(
+        operating_points.linearise, "not those of plant 'maglev_stage'", plant=MAGLEV, point=examples.usual()["point"]
+    ),
     call(operating_points.trim, "both", plant=MAGLEV, fixed={"y": 0.025}, free=("y",)),
     call(operating_points.trim, "twice", plant=MAGLEV, fixed={"y": 0.025}, free=("i_d1", "i_d1")),
 ]

@@ -10,24 +10,16 @@ from synth.analyse import discretise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.feedback import lqr
-from synth.synthesise.observers import (
-    estimator_start,
-    kalman,
-    lqg,
-    reduced_compensator,
-    reduced_observer,
-    square_root_kalman,
-)
+from synth.synthesise.observers import kalman, lqg, reduced_observer, square_root_kalman
 from synth.synthesise.regulation import (
     anti_windup,
     internal_model,
     leapfrog_form,
-    minimal_polynomial,
     optimal_servo,
     regulator_equations,
     steady_error,
 )
-from synth.synthesise.regulation.minimal_polynomial import Mode
+from synth.synthesise.regulation.regulator_equations import Mode
 from synth.synthesise.riccati import riccati, weights
 from synth.timing import Continuous, Discrete
 from tests.hostile import examples
@@ -74,7 +66,7 @@ def coupled(scale: float = 1.0) -> StateSpace:
 
 
 MODEL = [
-    call(reduced_compensator.compensator, "leaves the poles ...with the sign inside K", observer=PAIR, K=-PAIR_GAIN),
+    call(reduced_observer.compensator, "leaves the poles ...with the sign inside K", observer=PAIR, K=-PAIR_GAIN),
     call(reduced_observer.from_gain, "p, r depend on each other", system=SHOWN, measured=("p", "q", "r")),
     call(reduced_observer.from_gain, "s shows no state: its row of C is 0", system=SHOWN, measured=("p", "s")),
     call(reduced_observer.from_gain, "nothing is left to estimate", system=SHOWN, measured=("p", "q", "dp", "dq")),
@@ -109,7 +101,7 @@ MODEL = [
     ),
     *(
         call(
-            estimator_start.from_measurement,
+            lqg.from_measurement,
             "p, q are linearly dependent in the states that may change",
             estimator=kalman.kalmd(plant, np.eye(4), np.eye(2), 0.1).current(),
             plant=discretise.zero_order_hold(plant, 0.1),
@@ -200,7 +192,7 @@ MODEL = [
 ]
 SIGNAL = [
     *(
-        call(estimator_start.from_measurement, part, **changed)
+        call(lqg.from_measurement, part, **changed)
         for changed, part in (
             ({"measured": ["there"]}, "'there' is not an output of the plant that the estimator takes: x"),
             ({"estimator": FILTER.current().renamed({"x": "a"})}, "none of which is an output of the plant"),
@@ -221,14 +213,14 @@ SIGNAL = [
         estimator=kalman.kalmd(mass(), [1.0], [1.0], T, ["f"]),
     ),
     call(
-        reduced_compensator.compensator,
+        reduced_observer.compensator,
         "the gain K is (2, 3): ...need a finite one of (2, 4)",
         observer=PAIR,
         K=PAIR_GAIN[:, :3],
     ),
-    call(reduced_compensator.compensator, "need a finite one", observer=PAIR, K=PAIR_GAIN * np.nan),
+    call(reduced_observer.compensator, "need a finite one", observer=PAIR, K=PAIR_GAIN * np.nan),
     call(
-        reduced_compensator.compensator,
+        reduced_observer.compensator,
         "'f_late1', an input of the computed states, is not known",
         observer=PAIR,
         K=PAIR_GAIN,
@@ -294,7 +286,7 @@ SIGNAL = [
         "a mode that grows or counts more than once",
         regulator=optimal_servo.lqrd(REGULATED, {0.0: 2}, np.ones(4), [1.0], T),
     ),
-    *(call(minimal_polynomial.roots, "give a", S=S) for S in (np.zeros((2, 3)), np.zeros((0, 0)), [[np.nan]])),
+    *(call(regulator_equations.roots, "give a", S=S) for S in (np.zeros((2, 3)), np.zeros((0, 0)), [[np.nan]])),
     call(optimal_servo.lqrd, "names 'xi2_x', which is not one of x, v, xi1", Q={"xi2_x": 1.0}),
     *(
         call(riccati.solve, part, system=DOUBLE, **changed)
@@ -325,10 +317,10 @@ SIGNAL = [
     ),
 ]
 TIMING = [
-    call(estimator_start.from_measurement, "meets", plant=USUAL["system"]),
+    call(lqg.from_measurement, "meets", plant=USUAL["system"]),
     call(lqg.predictor, "discretise or resample", gain=lqr.lqr(mass(), np.eye(2), np.eye(1)), estimator=held_mass()),
     call(
-        reduced_compensator.compensator,
+        reduced_observer.compensator,
         "meets",
         observer=PAIR,
         K=PAIR_GAIN,

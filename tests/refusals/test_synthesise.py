@@ -12,7 +12,7 @@ from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
 from synth.synthesise.classical.lead_lag import Compensator
 from synth.synthesise.feedback import inverse_lqr, lqr, pole_placement
-from synth.synthesise.identify import calibration, gauss_newton, identify, least_squares, log_file
+from synth.synthesise.identify import calibration, gauss_newton, identify, least_squares, logs
 from synth.synthesise.identify.logs import Log
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Continuous, Discrete
@@ -192,10 +192,10 @@ SIGNAL = [
             ({"Phi": np.array([[1.0, 1e200], [2.0, 1.0], [3.0, 1.0]])}, "1e+200"),
         )
     ),
-    call(log_file.parse, "line 1: there are no columns: begin with names and units", text="# nothing\n", required={}),
+    call(logs.parse, "line 1: there are no columns: begin with names and units", text="# nothing\n", required={}),
     *(
         call(
-            log_file.parse,
+            logs.parse,
             f"'X' is asked for in '{unit}': logs are in SI units, give",
             text="X [m]\n1\n",
             required={"X": unit},

@@ -30,7 +30,7 @@ from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar import Problem
 from models.hall_two_waves import PlanarArray
 from synth.block import Block, Constant, Exprs, Step, build
-from synth.blocks.estimate import glsdc_estimator, glsdc_numbers, phasor
+from synth.blocks.estimate import glsdc_estimator, phasor
 from synth.blocks.estimate.glsdc import NamedExpressions
 from synth.blocks.estimate.glsdc_solution import Normal
 from synth.blocks.estimate.phasor import Phasor
@@ -62,7 +62,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
     """Return the Block from held voltages and ``complete`` to X, Y and yaw."""
     problem = planar.problem(array, tuning)
     numbers = [
-        *glsdc_numbers.of_solution(problem.model, problem.iteration),
+        *glsdc_estimator.of_solution(problem.model, problem.iteration),
         *planar.arm_numbers(array.arms),
         *tracking.numbers(problem),
         *_numbers(problem),

@@ -22,10 +22,9 @@ from designs.hall_position.glsdc.parameters import Tuning
 from models.hall_array import Pair
 from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.block import Constant, Exprs
-from synth.blocks.estimate import glsdc_jacobian, glsdc_linearisation, glsdc_solution
+from synth.blocks.estimate import glsdc_jacobian, glsdc_solution
 from synth.blocks.estimate.glsdc import NamedExpressions, Solution
-from synth.blocks.estimate.glsdc_jacobian import Model
-from synth.blocks.estimate.glsdc_linearisation import Prediction
+from synth.blocks.estimate.glsdc_jacobian import Model, Prediction
 from synth.blocks.estimate.glsdc_model import Measurement, Phase, RotatedMeasurement, Unknown
 from synth.blocks.estimate.glsdc_solution import Iteration, Normal
 from synth.signals import Signal
@@ -74,7 +73,7 @@ def solve(of: Problem, u: Exprs, pose: Exprs, k: Exprs, named: NamedExpressions)
     """Return the solution of a sample from a predicted pose."""
     measured = [u[f"{s.name}_held"] for s in of.model.channels]
     constants = ca.vertcat(*(k[c.name] for c in field_constants(of.array)))
-    prediction = glsdc_linearisation.predict(of.model, [pose[n] for n in POSE], measured, constants, named)
+    prediction = glsdc_jacobian.predict(of.model, [pose[n] for n in POSE], measured, constants, named)
     sample = glsdc_solution.Problem(of.model, prediction, [ca.SX(0)] * len(POSE), None)
     return glsdc_solution.solve(sample, of.iteration), prediction
 

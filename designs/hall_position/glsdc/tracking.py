@@ -27,7 +27,7 @@ from designs.hall_position.glsdc.planar import AXES, POSE, Problem
 from synth.block import Constant, Exprs, State
 from synth.blocks.estimate.glsdc import Solution
 from synth.blocks.estimate.glsdc_solution import Normal
-from synth.blocks.guard.range_numbers import limit
+from synth.blocks.guard.safety import limit
 from synth.signals import Signal
 
 MOTION = ("motion_x", "motion_y", "motion_yaw")

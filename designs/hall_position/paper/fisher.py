@@ -9,7 +9,7 @@ by phases in rad and the yaw, and with the yaw's information N_T, by Lagrange's 
     N_T = sum over axes of [sum over pairs (g_i h_j - g_j h_i)^2] / sum g^2,
     var yaw = sigma^2 / N_T,    var X = sigma^2 / w^2 (1 / sum g^2 + (sum g h / sum g^2)^2 / N_T).
 
-`synth.analyse.observability.worst_deviation` proves their largest values between grid points.
+`synth.analyse.observability.information` proves their largest values between grid points.
 
 Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
 3.B.
@@ -23,8 +23,8 @@ import numpy as np
 
 from models.hall_array import Array
 from models.hall_two_waves import PlanarArray
-from synth.analyse.observability import worst_deviation
-from synth.analyse.observability.worst_deviation import LargestDeviation
+from synth.analyse.observability import information
+from synth.analyse.observability.information import LargestDeviation
 from synth.errors import ModelError
 from synth.statespace import readonly
 
@@ -131,7 +131,7 @@ def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) 
     reach = array.wave_number * max(hypot(*r) for r in array.positions)
     cells = (START, START, max(1, ceil((high - low) * reach / (turn / START))))
     ends = (0.0, 0.0, low), (turn, turn, high)
-    proved = worst_deviation.search(
+    proved = information.search(
         partial(of_phases, array), partial(column_changes, array), *ends, cells, tolerance, MAX_CELLS
     )
     unit = units(array)

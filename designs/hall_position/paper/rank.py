@@ -16,7 +16,7 @@ from models import concentrated_field, hall_array, hall_two_waves
 from models.hall_array import Array
 from models.hall_stage import NUMBERS, Stage, grid
 from models.hall_two_waves import PlanarArray
-from synth.analyse.observability.worst_deviation import LargestDeviation
+from synth.analyse.observability.information import LargestDeviation
 from synth.base.cache import cached
 
 POINTS = 240  # of a map, along a pitch

@@ -34,7 +34,7 @@ from synth.errors import SignalError
 from synth.signals import Parameter
 from synth.statespace import readonly
 from synth.synthesise.identify import identify, least_squares
-from synth.synthesise.identify.estimate import Estimate
+from synth.synthesise.identify.estimates import Estimate
 from synth.synthesise.identify.logs import Log
 
 Array = NDArray[np.float64]

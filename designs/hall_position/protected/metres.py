@@ -11,7 +11,7 @@ import casadi as ca
 from designs.hall_position.glsdc import planar
 from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.block import Block, Exprs, State, Step, build, clip
-from synth.blocks.guard.range_numbers import limit
+from synth.blocks.guard.safety import limit
 from synth.signals import Signal
 from synth.timing import Discrete
 

@@ -23,7 +23,7 @@ from synth.analyse import discretise
 from synth.analyse.structure import structure
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
-from synth.synthesise.observers import kalman, reduced_compensator, reduced_observer
+from synth.synthesise.observers import kalman, reduced_observer
 from synth.timing import Continuous
 
 POSITIONS, INTEGRALS = STATES[:3], STATES[3:6]
@@ -156,7 +156,7 @@ def is_reduced_order_loop(held: StateSpace, K: Array) -> bool:
     """Return whether (33) is the loop of a reduced-order observer with the sampled model."""
     L = _observer_gain(held, 0.5)
     observer = reduced_observer.from_gain(held, (*POSITIONS, *INTEGRALS), L)
-    A = reduced_compensator.compensator(observer, -K).loop.A
+    A = reduced_observer.compensator(observer, -K).loop.A
     return bool(np.allclose(A, loop_33(held, K, L), rtol=SAME, atol=SAME * float(np.abs(A).max())))
 
 

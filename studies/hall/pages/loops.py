@@ -24,7 +24,7 @@ from models.hall_stage import Stage
 from models.hall_two_waves import PlanarArray as Sensors
 from studies.hall.loop import closed_loop
 from studies.hall.loop.closed_loop import Source
-from synth.analyse import linearisation, operating_points
+from synth.analyse import operating_points
 from synth.analyse.loops import loop
 from synth.block import Block
 from synth.report import page, sections, standard
@@ -65,7 +65,7 @@ def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
 def open_loop(source: Source, block: Block, place: Place) -> LoopParts:
     """Return stage and controller, linearised about the platen at rest at a place in m and rad."""
     plant, pose = planar_stage.plant(), {**loops.MIDDLE, **place}
-    stage = linearisation.linearise(plant, operating_points.trim(plant, pose, []))
+    stage = operating_points.linearise(plant, operating_points.trim(plant, pose, []))
     E = loops.commutation_matrix(plant, pose)
     motors = stage.select(AXES, PHASES)
     volts, slopes = voltages_and_slopes(source.array, pose)

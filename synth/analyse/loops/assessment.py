@@ -11,17 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synth.analyse.loops import (
-    crossings,
-    delayed_crossings,
-    grid_crossings,
-    nyquist,
-    perturbation,
-    rational,
-    transfer,
-)
+from synth.analyse.loops import crossings, disk, grid_crossings, nyquist, transfer, zpk
 from synth.analyse.loops.crossings import Crossings
-from synth.analyse.loops.perturbation import Perturbation
+from synth.analyse.loops.disk import Perturbation
 from synth.analyse.loops.transfer import Delayed
 from synth.errors import ModelError
 from synth.statespace import StateSpace, System
@@ -33,7 +25,7 @@ class Assessment:
     """The crossings of a loop, whether it is stable, and the two checks of the crossings.
 
     `is_complete` is true if the range of frequency excludes no crossing. `count_unstable` takes a factor on the loop,
-    `perturbation` takes a frequency in rad/s.
+    `disk` takes a frequency in rad/s.
     """
 
     crossings: Crossings
@@ -45,34 +37,34 @@ class Assessment:
 
 def of_rational(system: System, low: float | None, high: float | None) -> Assessment:
     """Return the assessment of a scalar System from its numerator and denominator polynomials."""
-    loop = rational.of_system(system)
+    loop = zpk.of_system(system)
     if loop.model.D[0, 0] == -1:
         raise ModelError(transfer.ILL_POSED)
     bottom, top = low or 0.0, (high if isinstance(loop.time, Continuous) else None) or np.inf
     return Assessment(
         crossings.of_rational(loop, bottom, top),
-        perturbation.is_stable(loop),
+        disk.is_stable(loop),
         bottom == 0 and np.isinf(top),
-        lambda factor: rational.count_unstable(loop, factor),
-        lambda w: perturbation.of_rational(loop, w),
+        lambda factor: zpk.count_unstable(loop, factor),
+        lambda w: disk.of_rational(loop, w),
     )
 
 
 def of_delayed_loop(loop: Delayed, low: float | None, high: float | None) -> Assessment:
     """Return the assessment of a loop with an exact delay and hold."""
-    model = rational.of_system(loop.model)
-    L = None if model.N.is_zero() else delayed_crossings.zero_pole_gain(loop, model).value
+    model = zpk.of_system(loop.model)
+    L = None if model.N.is_zero() else crossings.zero_pole_gain(loop, model).value
 
     def count_unstable(factor: complex) -> float:
         return nyquist.count_unstable(loop, factor, high, L)
 
     def sensitivity_to_rounding(w: float) -> Perturbation:
-        of_loop = perturbation.of_rational(model, w).of_loop
+        of_loop = disk.of_rational(model, w).of_loop
         value = abs(L(w)[0]) / abs(1 + L(w)[0]) if L and np.isfinite(w) else 1.0
         return Perturbation(of_loop, of_loop * float(value))
 
     return Assessment(
-        delayed_crossings.of_delayed_loop(loop, model, low, high),
+        crossings.of_delayed_loop(loop, model, low, high),
         count_unstable(1.0) == 0,
         low is None and high is None,
         count_unstable,
@@ -94,5 +86,5 @@ def of_many_states(loop: StateSpace | Delayed, low: float | None, high: float | 
         count_unstable(1.0) == 0,
         low is None and (high is None or not isinstance(model.time, Continuous)),
         count_unstable,
-        lambda w: perturbation.of_model(model, w),
+        lambda w: disk.of_model(model, w),
     )

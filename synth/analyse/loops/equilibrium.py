@@ -9,23 +9,225 @@ together: an integrator alone may rest at any value, and the input that the plan
 method with the minimum-norm step solves the equations, each unknown relative to half the width of its range. It starts
 at the plant's trim with the initial state of the controller, then at later samples of the simulated loop. Counters and
 flags are stepped until they are constant.
+
+Equilibrium equations of a sampled closed loop, in the plant's states x and inputs u and the controller's state c.
+
+    T f(x, u, p) = 0,   F(c, S h(x, u, p)) - c = 0,   U G(c, S h(x, u, p)) - u = 0
+
+each relative to half the width of its signal's range. Newton's method with the minimum-norm step solves them, from
+starting points that this module also gives.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
 
 from synth import arguments
-from synth.analyse import linearisation
-from synth.analyse.loops import equilibrium_equations, loop
-from synth.analyse.loops.equilibrium_equations import SampledLoop
+from synth.analyse import operating_points
+from synth.analyse.loops import loop
 from synth.analyse.operating_points import OperatingPoint
+from synth.block import Block
 from synth.errors import NoEquilibriumError, SignalError
-from synth.signals import signal_names
-from synth.statespace import StateSpace
+from synth.plant import Plant
+from synth.signals import Signal, signal_names
+from synth.statespace import Array, StateSpace
+
+ITERATIONS = 60
+START_SAMPLES = (0, 1, 10, 100, 1000, 10_000)  # samples of the simulated loop at which Newton's method starts
+MOST_COUNTS = 100_000  # samples within which counters and flags must become constant
+RANK = 1e-12  # of the largest singular value of the scaled equations: a smaller one counts as zero
+SUBSTEPS = 4  # of the Runge-Kutta method in a period
+
+Wires = Mapping[str, str | Mapping[str, float]]
+
+
+@arguments.checked
+@dataclass(frozen=True, eq=False)
+class SampledLoop:
+    """A plant under a controller.
+
+    `sensors[controller input] = plant output`; `actuators[plant input] = controller output`, or a sum of them,
+    {controller output: weight}. Commands act with a delay of `delay` samples. Other inputs of the controller are
+    references, other inputs of the plant disturbances. `coordinates` {name: {sensor: weight}} are sums of sensors at
+    which the loop can open.
+
+    Raises SignalError for a wire with an unknown end.
+    """
+
+    plant: Plant
+    controller: Block
+    sensors: Mapping[str, str]
+    actuators: Wires
+    delay: float = 1
+    coordinates: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        ends = (
+            ("sensors", self.sensors, signal_names(self.controller.inputs)),
+            ("sensors", self.sensors.values(), signal_names(self.plant.outputs)),
+            ("actuators", self.actuators, signal_names(self.plant.inputs)),
+            ("actuators", [c for row in self.mixing.values() for c in row], signal_names(self.controller.outputs)),
+        )
+        for what, listed, known in ends:
+            for name in listed:
+                if name not in known:
+                    raise SignalError(f"{what}: '{name}' is not one of {', '.join(known)}: correct the name")
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """The controller's inputs that no sensor drives."""
+        return tuple(n for n in signal_names(self.controller.inputs) if n not in self.sensors)
+
+    @property
+    def mixing(self) -> dict[str, dict[str, float]]:
+        """The weights of the controller's outputs in each actuated input."""
+        return {u: {w: 1.0} if isinstance(w, str) else dict(w) for u, w in self.actuators.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """The plant's states x and inputs u, the controller's states, and the scaled residual of each equation."""
+
+    x: Array
+    u: Array
+    state: Array
+    residual: Array
+
+    @property
+    def size(self) -> float:
+        return float(np.abs(self.residual).max(initial=0.0)) if np.isfinite(self.residual).all() else np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The equilibrium equations, as functions of x, u and the controller's state; `scale` is that of the unknowns.
+
+    `residual` returns the change of each unknown in a period, relative to its scale, and `slope` its Jacobian with
+    respect to the scaled unknowns. `step` returns the controller's next state and the inputs that it commands, `flow`
+    the plant's next state.
+    """
+
+    unknowns: tuple[Signal, ...]
+    actuated: Array
+    real: Array
+    scale: Array
+    residual: ca.Function
+    slope: ca.Function
+    step: ca.Function
+    flow: ca.Function
+
+    def trial(self, x: Array, u: Array, state: Array) -> Trial:
+        return Trial(x, u, state, np.asarray(self.residual(x, u, state)).ravel())
+
+    def displaced(self, at: Trial, by: Array) -> Trial:
+        n, m = len(at.x), len(self.actuated)
+        x, u, state = at.x + by[:n], at.u.copy(), at.state.copy()
+        u[self.actuated] += by[n : n + m]
+        state[self.real] += by[n + m :]
+        return self.trial(x, u, state)
+
+
+def of_loop(closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint) -> Equations:
+    plant, block, T = closed.plant, closed.controller, closed.controller.time.period_s
+    x, u, c = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs)), ca.SX.sym("c", len(block.states))
+    outputs = dict(zip(signal_names(plant.outputs), ca.vertsplit(plant.h(x, u, near.p)), strict=True))
+    measured = [
+        outputs[closed.sensors[n]] if n in closed.sensors else references[n] for n in signal_names(block.inputs)
+    ]
+    next_state, y = block.function()(c, ca.vcat(measured))
+    commands = dict(zip(signal_names(block.outputs), ca.vertsplit(y), strict=True))
+    actuated = [i for i, n in enumerate(signal_names(plant.inputs)) if n in closed.actuators]
+    rows = [closed.mixing[plant.inputs[i].name] for i in actuated]
+    commanded = ca.SX(u)
+    for i, row in zip(actuated, rows, strict=True):
+        commanded[i] = sum((weight * commands[name] for name, weight in row.items()), start=ca.SX(0))
+    real = [i for i, s in enumerate(block.states) if not s.integer]
+    unknowns = (*plant.states, *(plant.inputs[i] for i in actuated), *(block.states[i].signal for i in real))
+    widths = np.array([s.high / 2 - s.low / 2 for s in unknowns])
+    scale = np.where(np.isfinite(widths) & (widths > 0), widths, 1.0)
+    changes = (
+        ca.vertcat(T * plant.f(x, u, near.p), commanded[actuated] - u[actuated], next_state[real] - c[real]) / scale
+    )
+    free = ca.vertcat(x, u[actuated], c[real])
+    slope = ca.jacobian(changes, free) @ ca.diag(ca.DM(scale))
+    places = [x, u, c]
+    return Equations(
+        unknowns,
+        np.array(actuated, dtype=int),
+        np.array(real, dtype=int),
+        scale,
+        ca.Function("residual", places, [ca.densify(changes)]),
+        ca.Function("slope", places, [ca.densify(slope)]),
+        ca.Function("step", places, [ca.densify(next_state), ca.densify(commanded)]),
+        ca.Function("flow", [x, u], [_runge_kutta(plant, x, u, near.p, T)]),
+    )
+
+
+def _runge_kutta(plant: Plant, x: ca.SX, u: ca.SX, p: Array, T: float) -> ca.SX:
+    h = T / SUBSTEPS
+    for _ in range(SUBSTEPS):
+        k1 = plant.f(x, u, p)
+        k2 = plant.f(x + h / 2 * k1, u, p)
+        k3 = plant.f(x + h / 2 * k2, u, p)
+        x = x + h / 6 * (k1 + 2 * (k2 + k3) + plant.f(x + h * k3, u, p))
+    return x
+
+
+def starting_points(equations: Equations, closed: SampledLoop, near: OperatingPoint) -> Iterator[Trial]:
+    """Yield the simulated loop after some samples, with a command delay of one sample, as long as it is finite."""
+    x, u, state = near.x.copy(), near.u.copy(), closed.controller.initial
+    for before, until in pairwise((0, *START_SAMPLES)):
+        for _ in range(before, until):
+            state, commanded = (np.asarray(v).ravel() for v in equations.step(x, u, state))
+            x, u = np.asarray(equations.flow(x, u)).ravel(), commanded
+        if not (np.isfinite(x).all() and np.isfinite(u).all() and np.isfinite(state).all()):
+            return
+        yield equations.trial(x, u, state)
+
+
+def rest_from(equations: Equations, trial: Trial) -> Trial:
+    """Solve for the real unknowns with counters and flags held, step these, and repeat until all are constant."""
+    for _ in range(len(trial.state) + 1):
+        trial = _newton(equations, trial)
+        stepped = _step_counters(equations, trial)
+        if stepped is None or np.array_equal(stepped.state, trial.state):
+            return trial if stepped is not None else replace(trial, residual=np.array([np.inf]))
+        trial = stepped
+    return trial
+
+
+def _newton(equations: Equations, trial: Trial) -> Trial:
+    for _ in range(ITERATIONS):
+        slope = np.asarray(equations.slope(trial.x, trial.u, trial.state))
+        if not (np.isfinite(slope).all() and np.isfinite(trial.residual).all()):
+            return trial
+        move = -equations.scale * np.linalg.lstsq(slope, trial.residual, rcond=RANK)[0]
+        better = next(
+            (t for t in (equations.displaced(trial, move / 2**i) for i in range(12)) if t.size < trial.size), None
+        )
+        if better is None:
+            return trial
+        trial = better
+    return trial
+
+
+def _step_counters(equations: Equations, trial: Trial) -> Trial | None:
+    """Return the trial with counters and flags in their steady state, all else held; None if they have none."""
+    state = trial.state.copy()
+    whole = np.setdiff1d(np.arange(len(state)), equations.real)
+    seen: set[bytes] = set()
+    while state[whole].tobytes() not in seen and len(seen) < MOST_COUNTS:
+        seen.add(state[whole].tobytes())
+        next_state = np.asarray(equations.step(trial.x, trial.u, state)[0]).ravel()
+        if np.array_equal(next_state[whole], state[whole]):
+            return equations.trial(trial.x, trial.u, state)
+        state[whole] = next_state[whole]
+    return None
+
 
 __all__ = ["Equilibrium", "SampledLoop", "open_loop", "solve"]
 
@@ -55,7 +257,7 @@ class Equilibrium:
     @cached_property
     def plant(self) -> StateSpace:
         """The plant's Jacobians at the equilibrium."""
-        return linearisation.linearise(self.closed.plant, self.point)
+        return operating_points.linearise(self.closed.plant, self.point)
 
 
 @arguments.checked
@@ -87,11 +289,11 @@ def solve(closed: SampledLoop, references: Mapping[str, float], near: OperatingP
     where each one raises some.
     """
     _check(closed, references, near)
-    equations = equilibrium_equations.of_loop(closed, references, near)
-    least: equilibrium_equations.Trial | None = None
+    equations = of_loop(closed, references, near)
+    least: Trial | None = None
     refused: list[Equilibrium] = []
-    for start in equilibrium_equations.starting_points(equations, closed, near):
-        trial = equilibrium_equations.rest_from(equations, start)
+    for start in starting_points(equations, closed, near):
+        trial = rest_from(equations, start)
         if trial.size <= TOLERANCE:
             rest = _equilibrium(closed, references, near, trial)
             if not (_raised_faults(rest) or _commands_at_limit(rest) or rest.point.outside):
@@ -115,11 +317,11 @@ def _check(closed: SampledLoop, references: Mapping[str, float], near: Operating
             f"references of '{closed.controller.name}': missing {missing or 'none'}, not known {unknown or 'none'}: "
             f"give a value for each of {', '.join(closed.references) or 'none'}"
         )
-    linearisation.require_point(closed.plant, near)
+    operating_points.require_point(closed.plant, near)
 
 
 def _equilibrium(
-    closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint, trial: equilibrium_equations.Trial
+    closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint, trial: Trial
 ) -> Equilibrium:
     plant, block = closed.plant, closed.controller
     y = dict(zip(signal_names(plant.outputs), np.asarray(plant.h(trial.x, trial.u, near.p)).ravel(), strict=True))
@@ -188,9 +390,7 @@ def _at_fault(rest: Equilibrium) -> NoEquilibriumError:
     )
 
 
-def _no_rest(
-    closed: SampledLoop, equations: equilibrium_equations.Equations, trial: equilibrium_equations.Trial | None
-) -> NoEquilibriumError:
+def _no_rest(closed: SampledLoop, equations: Equations, trial: Trial | None) -> NoEquilibriumError:
     what = f"the loop of plant '{closed.plant.name}' under '{closed.controller.name}'"
     if trial is None or not np.isfinite(trial.residual).all() or len(trial.residual) < len(equations.unknowns):
         return NoEquilibriumError(

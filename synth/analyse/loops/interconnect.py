@@ -15,7 +15,7 @@ import numpy as np
 import scipy.linalg
 
 from synth import arguments
-from synth.analyse.numerics import equilibrate
+from synth.analyse.numerics import magnitude
 from synth.errors import ModelError, SignalError
 from synth.signals import dimension
 from synth.statespace import Array, StateSpace, System, in_common_time, of
@@ -57,7 +57,7 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
     A, B, C, D = (scipy.linalg.block_diag(*(getattr(m, letter) for m in parts)) for letter in "ABCD")
     A, B, C, D = (v.reshape(s) for v, s in zip((A, B, C, D), _shapes(len(x), len(u), len(y)), strict=True))
     loop = np.eye(len(u)) - W @ D
-    if equilibrate.is_singular(loop):
+    if magnitude.is_singular(loop):
         raise ModelError(
             "the models pass signals around a loop at once, without a solution: I - W D is singular; "
             "put a state or a delay into the loop"

@@ -6,6 +6,8 @@
 
 The constants of the controller are rounded to its scalar type. Only the parameters of the plant vary; the controller
 keeps its nominal model. MATLAB: `getLoopTransfer` over `ureal` vertices, `allmargin`.
+
+Sets of parameter values at the ends of their tolerances: the corners of a box (MATLAB: `ureal` vertices).
 """
 
 import itertools
@@ -18,16 +20,42 @@ import numpy as np
 from synth import arguments
 from synth.analyse import operating_points
 from synth.analyse.loops import disk, equilibrium, stability_margins
-from synth.analyse.loops.equilibrium import Equilibrium
-from synth.analyse.loops.equilibrium_equations import SampledLoop, Wires
+from synth.analyse.loops.equilibrium import Equilibrium, SampledLoop, Wires
 from synth.analyse.loops.stability_margins import Margins
-from synth.analyse.loops.tolerances import Case
 from synth.check import Check
 from synth.declare.stage import Controller, Interface
 from synth.errors import ModelError, NoEquilibriumError, SignalError
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import StateSpace
+
+MAX_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
+
+Case = Mapping[str, float]  # parameter values that differ from the nominal ones
+
+
+@arguments.checked
+def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
+    """Return all combinations of some parameters at the ends of their tolerances: 2^k for k of them.
+
+    Raises SignalError for an unknown parameter, one without a tolerance, or more than MAX_CORNERS corners.
+    """
+    ends = [_ends(plant, name) for name in parameters]
+    if 2 ** len(ends) > MAX_CORNERS:
+        raise SignalError(
+            f"{len(ends)} parameters have 2^{len(ends)} corners, at most {MAX_CORNERS} are allowed: name fewer"
+        )
+    return [dict(zip(parameters, values, strict=True)) for values in itertools.product(*ends)] if ends else []
+
+
+def _ends(plant: Plant, name: str) -> tuple[float, float]:
+    p = plant.parameter(name)
+    if not p.tolerance * abs(p.value):
+        raise SignalError(
+            f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: neither may be 0; set them"
+        )
+    return p.value * (1 - p.tolerance), p.value * (1 + p.tolerance)
+
 
 NOMINAL: Case = {}
 

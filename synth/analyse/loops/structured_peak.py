@@ -20,9 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse.loops import schur_response
 from synth.analyse.loops import structured_singular_value as ssv
-from synth.analyse.loops.schur_response import Response
+from synth.analyse.loops import transfer
+from synth.analyse.loops.transfer import SchurResponse
 from synth.statespace import Array, Complex, StateSpace
 
 Interval = tuple[float, float]
@@ -63,7 +63,7 @@ class _Points:
             upper = ssv.upper(self.M[k : k + 1], FINAL_TOLERANCE)
             self.bound[k], self.scaling[k], self.fine[k] = upper.value[0], upper.scaling[0], True
 
-    def add(self, M: Response, frequencies: Array, tolerance: float) -> None:
+    def add(self, M: SchurResponse, frequencies: Array, tolerance: float) -> None:
         """Add frequencies, with bounds minimised to the tolerance."""
         new = _points(M, frequencies, tolerance)
         for name in ("w", "M", "bound", "scaling", "fine"):
@@ -79,7 +79,7 @@ class _Points:
         return k
 
 
-def _points(M: Response, frequencies: Array, tolerance: float) -> _Points:
+def _points(M: SchurResponse, frequencies: Array, tolerance: float) -> _Points:
     response = M.at(frequencies)
     upper = ssv.upper(response, tolerance)
     fine = np.full(len(frequencies), tolerance <= FINAL_TOLERANCE)
@@ -91,7 +91,7 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
 
     Without `certify`, it is the largest on the grid and on more points around its peak.
     """
-    M = schur_response.of(model)
+    M = transfer.schur_response(model)
     points = _points(M, grid(M.poles), GRID_TOLERANCE)
     _climb(M, points)
     top = points.highest(points.w >= 0)
@@ -109,7 +109,7 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
     )
 
 
-def _rounding(M: Response, points: _Points, k: int) -> float:
+def _rounding(M: SchurResponse, points: _Points, k: int) -> float:
     """Return the relative rounding error of sigma_max(D M D^-1) at a point."""
     error = M.error(float(points.w[k]))[None]
     return float(ssv.gain(error, points.scaling[k])[0]) / max(float(points.bound[k]), 1e-300)
@@ -126,7 +126,7 @@ def grid(poles: Complex) -> Array:
     return np.concatenate([[0.0], w, [np.inf]])
 
 
-def _climb(M: Response, points: _Points, rounds: int = 4) -> None:
+def _climb(M: SchurResponse, points: _Points, rounds: int = 4) -> None:
     """Add points around the highest one, closer each round."""
     for _ in range(rounds):
         k = points.highest(points.w >= 0)
@@ -157,7 +157,7 @@ def _is_real(delta: Complex) -> bool:
     return bool((np.abs(delta.imag) <= 1e-9 * np.abs(delta)).all())
 
 
-def _prove(M: Response, points: _Points) -> tuple[float, bool]:
+def _prove(M: SchurResponse, points: _Points) -> tuple[float, bool]:
     """Return an upper bound of mu over frequency, and whether it is proved for all frequencies."""
     peak, undecided = float(points.bound[points.highest(points.w >= 0)]), [(0.0, np.inf)]
     if not peak:
@@ -175,7 +175,7 @@ def _prove(M: Response, points: _Points) -> tuple[float, bool]:
     return peak, False
 
 
-def _highest_inside(M: Response, points: _Points, interval: Interval) -> int:
+def _highest_inside(M: SchurResponse, points: _Points, interval: Interval) -> int:
     """Return the highest point inside the interval, or a new one in its middle if it has none."""
     a, b = interval
     inside = ((points.w > a) & (points.w < b)) | ((points.w == a) & (a == 0)) | ((points.w == b) & np.isinf(b))
@@ -185,7 +185,7 @@ def _highest_inside(M: Response, points: _Points, interval: Interval) -> int:
     return points.highest(inside)
 
 
-def _above(M: Response, x: Array, level: float, interval: Interval) -> list[Interval]:
+def _above(M: SchurResponse, x: Array, level: float, interval: Interval) -> list[Interval]:
     """Return the parts of the interval where sigma_max(D M D^-1) is not below the level."""
     a, b = interval
     cuts = np.unique(np.abs(hamiltonian_eigenvalues(M, x, level).imag))
@@ -202,7 +202,7 @@ def _above(M: Response, x: Array, level: float, interval: Interval) -> list[Inte
     return intervals
 
 
-def hamiltonian_eigenvalues(M: Response, x: Array, level: float) -> Complex:
+def hamiltonian_eigenvalues(M: SchurResponse, x: Array, level: float) -> Complex:
     """Return s (2 n,), including each i w where `level` is a singular value of D M(i w) D^-1, D^2 = diag(x)."""
     d = np.sqrt(x)
     A, B, C, D = M.A, M.B / d, M.C * d[:, None], M.D * d[:, None] / d

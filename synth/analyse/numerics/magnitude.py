@@ -10,21 +10,44 @@ finds a point where M is singular. All results are attained in S. They are not p
 lie between the grid points.
 
 Source: Fulford, Maggiore, Apkarian, equations (10) for the maximisation and (12) for the matrix.
+
+Matrix equilibration: rows and columns scaled to similar size, which makes a rank independent of units.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, minimize
 
 from synth import arguments, law
-from synth.analyse.numerics import box as boxes
+from synth.analyse.numerics import nearest_root as boxes
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
+
+Matrix = TypeVar("Matrix", Array, NDArray[np.complex128])
+
+PASSES = 5
+
+
+def equilibrated(M: Matrix) -> tuple[Matrix, Array, Array]:
+    """Return diag(r) M diag(c) with rows and columns of similar size, r and c."""
+    r, c = np.ones(len(M)), np.ones(M.shape[1])
+    for _ in range(PASSES):
+        for axis, factor in ((1, r), (0, c)):
+            size = np.sqrt(np.abs(r[:, None] * M * c).max(axis=axis, initial=0.0))
+            factor /= np.where(size > 0, size, 1.0)
+    return r[:, None] * M * c, r, c
+
+
+def is_singular(M: Matrix) -> bool:
+    """Tell whether a square M is singular within rounding, in any units; an empty M is not."""
+    return bool(M.size and np.linalg.cond(equilibrated(M)[0]) > 1 / np.finfo(float).eps)
+
 
 Exprs = Mapping[str, ca.SX]
 

@@ -5,10 +5,20 @@ r_i is the order of the first derivative of y_i that contains an input: L_G L_f^
     d^r_i y_i / dt^r_i = a_i(x) + D_i(x) u,    a_i = L_f^r_i h_i,    D_i = L_G L_f^(r_i - 1) h_i,
 
 or r_i = 0 with a_i = h_i and D_i = E_i if an input enters y_i itself. D (p, m) is the decoupling matrix, a (p,) the
-drift. The degree is defined where D has rank p: D_i must not vanish, nor depend on the other rows. `rounding.vanish`
+drift. The degree is defined where D has rank p: D_i must not vanish, nor depend on the other rows. `precise.vanish`
 decides which expressions vanish on the whole domain; `singularity.worst` finds single points where D loses rank.
 
 Source: Isidori, Nonlinear Control Systems, 5.1.
+
+Input-affine plants and their Lie derivatives.
+
+    dx/dt = f(x) + G(x) u,    y = h(x) + E(x) u,    x (n,), u (m,), y (p,)
+
+Along a solution a function e(x) changes at the rate L_f e + (L_G e) u with
+
+    L_f e = de/dx f,    L_G e = de/dx G.
+
+Source: Isidori, Nonlinear Control Systems, 4.1 and 5.1.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,13 +29,123 @@ import casadi as ca
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse.numerics import box, rounding
-from synth.analyse.structure import lie, singularity
-from synth.analyse.structure.lie import Affine
-from synth.errors import ModelError
+from synth.analyse.numerics import nearest_root, precise
+from synth.analyse.numerics.nearest_root import Box
+from synth.analyse.structure import singularity
+from synth.errors import ModelError, SignalError
 from synth.plant import Plant
-from synth.signals import signal_names
+from synth.signals import Signal, signal_names
 from synth.statespace import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Affine:
+    """The plant called `name` as f (n,), G (n, m), h (p,), E (p, m) in the symbols of `box`: states and parameters.
+
+    Structural zeros of G and E are entries that vanish on the whole domain. `held` has the inputs that are constant.
+    """
+
+    name: str
+    states: tuple[Signal, ...]
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+    box: Box
+    f: ca.SX
+    G: ca.SX
+    h: ca.SX
+    E: ca.SX
+    held: Mapping[str, float]
+
+    @property
+    def x(self) -> ca.SX:
+        """The states' symbols (n,)."""
+        return self.box.symbols
+
+    def along_drift(self, e: ca.SX) -> ca.SX:
+        """Return L_f e for each entry of e (k,)."""
+        return ca.cse(ca.jtimes(e, self.x, self.f))  # without cse the length grows as the factorial of the order
+
+    def along_inputs(self, e: ca.SX) -> ca.SX:
+        """Return L_G e (k, m) for the entries of e (k,), with structural zeros."""
+        return precise.without_zeros(ca.cse(ca.mtimes(ca.jacobian(e, self.x), self.G)), self.box)
+
+
+@arguments.checked
+def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str, float] | None = None) -> Affine:
+    """Return the plant in affine form, with the named `outputs`, by default all, and the inputs that are not `held`.
+
+    `held` gives the constant values of inputs, by name, in their units.
+
+    Raises SignalError for a name that the plant does not have, ModelError if an equation is not affine in the inputs.
+    """
+    held = dict(held or {})
+    rows = _output_rows(plant, outputs)
+    inputs = _free_inputs(plant, held)
+    x, u = (ca.vertcat(*(ca.SX.sym(s.name) for s in part)) for part in (plant.states, inputs))
+    free = dict(zip(signal_names(inputs), ca.vertsplit(u), strict=True))
+    all_inputs = ca.vertcat(*(free[s.name] if s.name in free else ca.SX(held[s.name]) for s in plant.inputs))
+    p = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(s.name) for s in plant.parameters))
+    stacked = ca.vertcat(plant.f(x, all_inputs, p), plant.h(x, all_inputs, p)[rows])
+    base = ca.SX([float(np.clip(0.0, s.low, s.high)) for s in inputs])
+    slopes, level = (ca.substitute(e, u, base) for e in (ca.jacobian(stacked, u), stacked))
+    equations = [f"the rate of '{s.name}'" for s in plant.states] + [f"'{plant.outputs[k].name}'" for k in rows]
+    box_of_all = Box(ca.vertcat(x, u), (*plant.states, *inputs), p, plant.values)
+    _require_affine(plant.name, equations, (stacked, slopes, base), box_of_all)
+    of_states = Box(x, plant.states, p, plant.values)
+    slopes = precise.without_zeros(slopes, of_states)
+    ends = [0, len(plant.states), len(equations)]
+    (f, h), (G, E) = ca.vertsplit(level - ca.mtimes(slopes, base), ends), ca.vertsplit(slopes, ends)
+    outs = tuple(plant.outputs[k] for k in rows)
+    return Affine(plant.name, plant.states, inputs, outs, of_states, f, G, h, E, held)
+
+
+def _output_rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
+    known = signal_names(plant.outputs)
+    chosen = known if outputs is None else tuple(outputs)
+    if unknown := [n for n in chosen if n not in known]:
+        raise SignalError(f"plant '{plant.name}' has no output '{unknown[0]}': it has {', '.join(known)}")
+    if not chosen or len(set(chosen)) < len(chosen):
+        raise SignalError(f"the outputs are ({', '.join(chosen)}): name at least one, and each once")
+    return [known.index(n) for n in chosen]
+
+
+def _free_inputs(plant: Plant, held: Mapping[str, float]) -> tuple[Signal, ...]:
+    known = signal_names(plant.inputs)
+    if unknown := [n for n in held if n not in known]:
+        raise SignalError(f"plant '{plant.name}' has no input '{unknown[0]}' to hold: it has {', '.join(known)}")
+    if bad := [n for n, v in held.items() if not np.isfinite(v)]:
+        raise SignalError(f"the input '{bad[0]}' is held at {held[bad[0]]}: give a finite value")
+    inputs = tuple(s for s in plant.inputs if s.name not in held)
+    if not inputs:
+        raise SignalError(f"plant '{plant.name}': every input is held: leave at least one free")
+    return inputs
+
+
+def _require_affine(
+    plant: str,
+    equations: Sequence[str],
+    parts: tuple[ca.SX, ca.SX, ca.SX],
+    box: Box,
+) -> None:
+    """Raise ModelError unless e (k,) = e(u with u_j = base_j) + slope_j (u_j - base_j) for every input j."""
+    stacked, slopes, base = parts
+    m = base.numel()
+    u, inputs = box.symbols[-m:], box.signals[-m:]
+    nonaffine: dict[str, list[str]] = {}
+    for j, input in enumerate(inputs):
+        remainder = stacked - ca.substitute(stacked, u[j], base[j]) - slopes[:, j] * (u[j] - base[j])
+        for k in np.flatnonzero(~precise.vanish(ca.densify(remainder), box)):
+            nonaffine.setdefault(equations[int(k)], []).append(input.name)
+    if nonaffine:
+        terms = "; ".join(
+            f"{equation} in {', '.join(nonaffine[equation])}" for equation in equations if equation in nonaffine
+        )
+        input_names = ", ".join(s.name for s in inputs if any(s.name in part for part in nonaffine.values()))
+        raise ModelError(
+            f"plant '{plant}' is not affine in its inputs: {terms}. Make {input_names} states, "
+            "with their rates as inputs, declare the whole term as the input and invert it outside, or hold it"
+        )
+
 
 RANK = 1e-9  # of the largest singular value: below it, rows of scaled size count as dependent
 
@@ -90,9 +210,9 @@ class RelativeDegree:
 
         Raises ModelError if D or a is not finite.
         """
-        points = np.hstack([box.scatter(self.model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
+        points = np.hstack([nearest_root.scatter(self.model.states, precise.POINTS, seed) for seed in precise.SEEDS])
         terms = np.abs(self.model.box.evaluate(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
-        effect = np.einsum("pmk,m->pk", terms[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
+        effect = np.einsum("pmk,m->pk", terms[:, :-1], nearest_root.half_widths(self.model.inputs)).max(axis=1)
         drift = terms[:, -1].max(axis=1)
         ratios = [float(r / a) if a else np.inf for r, a in zip(effect, drift, strict=True)]
         return dict(zip(self.outputs, ratios, strict=True))
@@ -154,9 +274,9 @@ def of_plant(
 ) -> RelativeDegree:
     """Return the vector relative degree of `outputs`, by default all, for the inputs that are not `held`.
 
-    Raises SignalError and ModelError as `lie.affine`; ModelError if no input affects an output.
+    Raises SignalError and ModelError as `affine`; ModelError if no input affects an output.
     """
-    return of_affine(lie.affine(plant, outputs, held))
+    return of_affine(affine(plant, outputs, held))
 
 
 @arguments.checked
@@ -185,7 +305,7 @@ def _chain(model: Affine, i: int) -> tuple[ca.SX, ca.SX, ca.SX]:
             f"{len(chain)} derivatives contains an input ({', '.join(signal_names(model.inputs))}): "
             "choose another output"
         )
-    return ca.vertcat(ca.SX(0, 1), *chain), row, rounding.without_zeros(e, model.box)
+    return ca.vertcat(ca.SX(0, 1), *chain), row, precise.without_zeros(e, model.box)
 
 
 def _rows(D: ca.SX, model: Affine) -> Rows:
@@ -203,14 +323,14 @@ def _rows(D: ca.SX, model: Affine) -> Rows:
 
 def _sample_decoupling(D: ca.SX, model: Affine) -> tuple[Array, Array]:
     """Return D (k, p, m) at scattered points, with rows and columns scaled, and the bounds of its rounding errors."""
-    points = np.hstack([box.scatter(model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
-    terms = ca.horzcat(ca.densify(D), rounding.error_bound(D))
+    points = np.hstack([nearest_root.scatter(model.states, precise.POINTS, seed) for seed in precise.SEEDS])
+    terms = ca.horzcat(ca.densify(D), precise.error_bound(D))
     evaluated = model.box.evaluate(terms, points).transpose(2, 0, 1)
     m = len(model.inputs)
-    evaluated = evaluated * np.tile(box.half_widths(model.inputs), 2)
+    evaluated = evaluated * np.tile(nearest_root.half_widths(model.inputs), 2)
     size = np.linalg.norm(evaluated[:, :, :m], axis=2, keepdims=True)
     evaluated = evaluated / np.where(size > 0, size, 1.0)
-    return evaluated[:, :, :m], rounding.LIMIT * evaluated[:, :, m:]
+    return evaluated[:, :, :m], precise.LIMIT * evaluated[:, :, m:]
 
 
 def _has_full_rank(values: Array, noise: Array) -> Array:

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize
 
 from synth import arguments
-from synth.analyse.numerics import box, rounding
+from synth.analyse.numerics import nearest_root, precise
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
@@ -54,14 +54,14 @@ class Scaled:
         """Return the scaled matrices (k, p, m) at points of the box (d, k)."""
         shape = (len(self.inputs), len(self.labels), points.shape[1])
         values = np.asarray(self.function(points)).reshape(shape)
-        box.require_finite("the matrix that the inputs enter by", values, self.box, points)
-        return np.asarray(values.transpose(2, 1, 0) * box.half_widths(self.inputs) / self.rows[:, None])
+        nearest_root.require_finite("the matrix that the inputs enter by", values, self.box, points)
+        return np.asarray(values.transpose(2, 1, 0) * nearest_root.half_widths(self.inputs) / self.rows[:, None])
 
     def condition(self, points: Array) -> Array:
         """Return S over the least singular value (k,) at points of the box (d, k)."""
         least = np.linalg.svd(self.at(points), compute_uv=False)[:, -1]
         with np.errstate(divide="ignore"):
-            return np.asarray(np.where(least > rounding.LIMIT * self.strongest, self.strongest / least, np.inf))
+            return np.asarray(np.where(least > precise.LIMIT * self.strongest, self.strongest / least, np.inf))
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def scaled(
         )
     if unknown := {v.name() for v in ca.symvar(matrix)} - {v.name() for v in ca.symvar(symbols)}:
         raise SignalError(f"the matrix contains {', '.join(sorted(unknown))}: give each symbol its signal")
-    indices = box.signal_indices(matrix, symbols, signals)
+    indices = nearest_root.signal_indices(matrix, symbols, signals)
     entering = tuple(signals[k] for k in indices)
     function = ca.Function("M", [symbols[indices]], [ca.densify(ca.vec(matrix))])
     unscaled = Scaled(function, entering, tuple(inputs), tuple(labels), np.ones(len(labels)), 1.0)
@@ -114,7 +114,7 @@ def scaled(
 def worst(matrix: Scaled) -> WorstCondition:
     """Return the point of its box where the matrix is singular or closest to singular."""
     points = _points(matrix.box)
-    distance = (points - box.centre(matrix.box)[:, None]) / box.half_widths(matrix.box)[:, None]
+    distance = (points - nearest_root.centre(matrix.box)[:, None]) / nearest_root.half_widths(matrix.box)[:, None]
     points = points[:, np.argsort(np.abs(distance).sum(axis=0), kind="stable")]  # the closest to the centre wins a tie
     condition = matrix.condition(points)
     seeds = np.argsort(-condition, kind="stable")[:SEEDS]
@@ -135,13 +135,13 @@ def worst(matrix: Scaled) -> WorstCondition:
 def _points(signals: Sequence[Signal]) -> Array:
     d = len(signals)
     if d <= DENSE:
-        return box.within(signals, box.grid(d, GRID))
+        return nearest_root.within(signals, nearest_root.grid(d, GRID))
     from scipy.stats import qmc  # slow to import (1 s) and seldom needed
 
     vertices = np.array(list(product((0.0, 1.0), repeat=min(d, 10))))
     vertices = np.hstack([vertices, np.full((len(vertices), d - vertices.shape[1]), 0.5)])
     spread = qmc.Halton(d, scramble=False).random(SEQUENCE_POINTS)
-    return box.within(signals, np.vstack([np.full((1, d), 0.5), vertices, spread]).T)
+    return nearest_root.within(signals, np.vstack([np.full((1, d), 0.5), vertices, spread]).T)
 
 
 def _crossing(matrix: Scaled, points: Array) -> Array | None:
@@ -159,14 +159,14 @@ def _crossing(matrix: Scaled, points: Array) -> Array | None:
     at = np.asarray(start + brentq(along, 0.0, 1.0, xtol=1e-15) * (end - start))
     if not matrix.condition(at[:, None])[0] > 1 / np.sqrt(np.finfo(float).eps):
         raise ModelError(
-            f"the matrix has a pole near {box.where(matrix.box, at)}: its determinant changes sign without a zero; "
-            "shrink the ranges of the signals to where the model is finite"
+            f"the matrix has a pole near {nearest_root.where(matrix.box, at)}: its determinant changes sign "
+            "without a zero; shrink the ranges of the signals to where the model is finite"
         )
     return at
 
 
 def _refine(matrix: Scaled, start: Array) -> tuple[float, Array]:
-    low, width = start * 0 + [s.low for s in matrix.box], 2 * box.half_widths(matrix.box)
+    low, width = start * 0 + [s.low for s in matrix.box], 2 * nearest_root.half_widths(matrix.box)
 
     def least(unit: Array) -> float:
         return float(np.linalg.svd(matrix.at((low + width * unit)[:, None]), compute_uv=False)[0, -1])
@@ -182,13 +182,13 @@ def _worst_at(matrix: Scaled, condition: float, at: Array) -> WorstCondition:
     named = dict(zip(signal_names(matrix.box), map(float, at), strict=True))
     enough = _decisive_signal(matrix, at) if np.isinf(condition) and len(at) > 1 else None
     if enough is not None:
-        return WorstCondition(condition, named, box.where(matrix.box[enough : enough + 1], at[[enough]]))
-    return WorstCondition(condition, named, box.where(matrix.box, at) or "every point")
+        return WorstCondition(condition, named, nearest_root.where(matrix.box[enough : enough + 1], at[[enough]]))
+    return WorstCondition(condition, named, nearest_root.where(matrix.box, at) or "every point")
 
 
 def _decisive_signal(matrix: Scaled, at: Array) -> int | None:
     """Return the index of a signal whose value alone makes the matrix singular, for any values of the others."""
-    points = box.scatter(matrix.box, rounding.POINTS, rounding.SEEDS[0])
+    points = nearest_root.scatter(matrix.box, precise.POINTS, precise.SEEDS[0])
     for k, value in enumerate(at):
         points_k = points.copy()
         points_k[k] = value

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from synth import arguments, show, statespace
-from synth.analyse import linearisation
-from synth.analyse.numerics import box
+from synth.analyse import operating_points
+from synth.analyse.numerics import nearest_root
 from synth.analyse.operating_points import OperatingPoint
 from synth.analyse.structure.relative_degree import RelativeDegree
 from synth.errors import ModelError, SignalError, TimingError
@@ -105,7 +105,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     Raises SignalError if the point belongs to another plant; ModelError if it is not an equilibrium, if its held inputs
     differ from those of `degree`, or if the decoupling matrix is singular there.
     """
-    model = linearisation.linearise(plant, point).select(degree.outputs, signal_names(degree.model.inputs))
+    model = operating_points.linearise(plant, point).select(degree.outputs, signal_names(degree.model.inputs))
     _require_matching(plant, degree, point)
     if weight is not None:
         weight = arguments.matrix_of_shape("weight", weight, len(model.inputs), len(model.inputs))
@@ -113,7 +113,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
         N = np.linalg.solve(weight, D_star.T)
         shares = tuple(f"share_of_{name}" for name in degree.outputs)
         model = replace(model, B=model.B @ N, D=model.D @ N, inputs=shares)
-    sizes = dict(zip(model.states, box.half_widths(plant.states).tolist(), strict=True))
+    sizes = dict(zip(model.states, nearest_root.half_widths(plant.states).tolist(), strict=True))
     return of_linear(model, degree.degrees, sizes)
 
 
@@ -157,8 +157,8 @@ def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float]
 
 def _require_matching(plant: Plant, degree: RelativeDegree, point: OperatingPoint) -> None:
     rates = np.abs(np.asarray(plant.f(point.x, point.u, point.p)).ravel())
-    if not (rates <= AT_REST * box.half_widths(plant.states)).all():
-        worst = int(np.argmax(rates / box.half_widths(plant.states)))
+    if not (rates <= AT_REST * nearest_root.half_widths(plant.states)).all():
+        worst = int(np.argmax(rates / nearest_root.half_widths(plant.states)))
         raise ModelError(
             f"plant '{plant.name}' is not at rest at the point: '{plant.states[worst].name}' changes by "
             f"{rates[worst]:.3g} per s: trim the plant"

@@ -8,7 +8,7 @@ one whose c does not takes every channel in again. A group is a channel, or seve
 in front has refused is excluded in the same sample. The c and the hypotheses that decide on this are of all channels,
 linear about the estimate in use, or with a search about the prediction of the track: a large fault moves the estimate
 out of the linear range, and not the prediction. With a held Jacobian these hypotheses also leave the group out of the
-corrections (`glsdc_exclusion`). Nothing is valid where a fault of some group is not detectable.
+corrections (`glsdc_integrity`). Nothing is valid where a fault of some group is not detectable.
 
     doubted        since a group is excluded, another hypothesis has passed in a sample with a level above its limit
 
@@ -25,12 +25,10 @@ import casadi as ca
 import numpy as np
 
 from synth.block import Exprs, State, clip
-from synth.blocks.estimate import glsdc, glsdc_exclusion, glsdc_integrity, glsdc_solution
+from synth.blocks.estimate import glsdc, glsdc_integrity, glsdc_solution
 from synth.blocks.estimate.glsdc import LdlFactors, Solution, Vector
-from synth.blocks.estimate.glsdc_exclusion import Separation
-from synth.blocks.estimate.glsdc_integrity import ROUNDING, Hypotheses, Integrity, Thresholds
-from synth.blocks.estimate.glsdc_jacobian import Model
-from synth.blocks.estimate.glsdc_linearisation import Linearisation
+from synth.blocks.estimate.glsdc_integrity import ROUNDING, Hypotheses, Integrity, Separation, Thresholds
+from synth.blocks.estimate.glsdc_jacobian import Linearisation, Model
 from synth.blocks.estimate.glsdc_solution import DYNAMIC_RANGE, Iteration, Problem
 from synth.blocks.estimate.screening import SCREENED
 from synth.errors import ModelError, SignalError
@@ -157,7 +155,7 @@ def weights(of: Monitor, x: Exprs) -> Vector | None:
     groups = range(len(of.groups))
     none = x["excluded"] < 1
     included = [
-        ca.if_else(none, 1, glsdc_exclusion.choose(x["excluded"], [ca.SX(float(k != j)) for k in groups]))
+        ca.if_else(none, 1, glsdc_integrity.choose(x["excluded"], [ca.SX(float(k != j)) for k in groups]))
         for j in groups
     ]
     return [included[number[j]] for j in range(len(of.model.channels))]
@@ -168,7 +166,7 @@ def solve(
 ) -> tuple[Solution[Any], Separation | None]:
     """Return the solution of a sample, and the hypotheses about its prediction where the corrections use them."""
     if of and of.integrity.exclude and tracked and iteration.held_jacobian:
-        return glsdc_exclusion.solve(problem, iteration, of.groups, x["excluded"], _axes(of))
+        return glsdc_integrity.solve(problem, iteration, of.groups, x["excluded"], _axes(of))
     return glsdc_solution.solve(problem, iteration), None
 
 
@@ -183,7 +181,7 @@ def judge(
         decides = ca.SX(1) if tracked else solution.converged
         trial = solution.first if tracked else solution.last
         if about is None:
-            about = glsdc_exclusion.separate(of.model, of.groups, trial, _single(of, trial.normal.linear))
+            about = glsdc_integrity.separate(of.model, of.groups, trial, _single(of, trial.normal.linear))
         moved = [end - begin for end, begin in zip(solution.at, trial.at, strict=True)]
         return _judge_hypotheses(of, about, moved, decides, cost, sigmas, x)
     normal = solution.last.normal

@@ -8,6 +8,15 @@ prediction from the prior's value. An excluded channel has weight 0 in H and e.
 Limits that never act while the information is in the dynamic range r, N_ii <= r^2 f_i with the least pivots f:
 
     |L_ij| <= r (f_i / f_j)^(1/2),    |z_j| = |(L^-1 H'e)_j| <= r f_j^(1/2) |e|,    |d_i| <= |e| / f_i^(1/2)
+
+Conditions on a measurement model that hold over the ranges of its unknowns, checked at sampled points.
+
+    |a(q)| <= largest        each Phase is within the range that it declares
+    |W de/dy_j| = |W_j|      an error of one channel of an Implicit model changes its residuals by as much
+    column i of H not 0      each unknown acts on a channel
+    largest deviation <= DYNAMIC_RANGE times that of the unknown with all others known
+
+The points are those of Halton's sequence, and the channels are in the middle of their ranges.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,13 +26,16 @@ from typing import TypeVar
 
 import casadi as ca
 import numpy as np
+from scipy.stats import qmc
 
 from synth import numeric
-from synth.blocks.estimate import glsdc, glsdc_linearisation
+from synth.block import Constant
+from synth.blocks.estimate import glsdc, glsdc_jacobian
 from synth.blocks.estimate.glsdc import Descent, LdlFactors, LdlNormalEquations, Solution, Trial, Vector, dot, total
-from synth.blocks.estimate.glsdc_jacobian import Model
-from synth.blocks.estimate.glsdc_linearisation import Linearisation, Prediction
+from synth.blocks.estimate.glsdc_jacobian import Linearisation, Model, Prediction
+from synth.errors import ModelError
 from synth.signals import Signal
+from synth.statespace import Array
 
 DYNAMIC_RANGE = 500.0  # of deviations: single precision resolves the pivots to 5 %
 SLACK, ROUNDING = 0.01, 2e-6  # of s^2, and relative: the rise of the cost allowed for rounding
@@ -87,7 +99,7 @@ def solve(of: Problem, iteration: Iteration) -> Solution[Normal]:
     held: list[Linearisation] = []
 
     def evaluate(i: int, at: Vector) -> Trial[Normal]:
-        linearisation = glsdc_linearisation.linearise(of.model, of.prediction, at)
+        linearisation = glsdc_jacobian.linearise(of.model, of.prediction, at)
         if not i or not iteration.held_jacobian:
             held.append(linearisation)
             factors.append(_factors(of, linearisation.rows))
@@ -152,3 +164,74 @@ def residual_bound(of: Model) -> float:
 def forward_bounds(of: Model) -> list[float]:
     """Return the bounds of L^-1 H'e (n,)."""
     return [DYNAMIC_RANGE * residual_bound(of) * sqrt(floor) for floor in of.floors]
+
+
+SAMPLES = 512
+SAMPLE_ROUNDING = 1e-6  # relative
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Phases (p, N), Jacobians H (m, N, n) and directions W de/dy_j over |W_j| (m, N, m) at N points."""
+
+    phases: Array
+    rows: Array
+    directions: Array
+
+
+def check(of: Model, constants: Sequence[Constant]) -> None:
+    """Raise ModelError for a model that breaks one of the conditions."""
+    at = _sample(of, constants)
+    _check_phases(of, at)
+    if of.is_implicit:
+        _check_directions(of, at)
+    _check_resolution(of, at)
+
+
+def _sample(of: Model, constants: Sequence[Constant]) -> Samples:
+    low, high = ([getattr(u.signal, end) for u in of.unknowns] for end in ("low", "high"))
+    points = qmc.scale(qmc.Halton(len(low), scramble=False).random(SAMPLES), low, high).T
+    turns = np.array([u.rate * p for u, p in zip(of.unknowns, points, strict=True) if u.rate])
+    turns = turns.reshape(-1, SAMPLES)
+    values = np.tile(np.reshape([c.value for c in constants], (-1, 1)), SAMPLES)
+    phases = of.phase_function.map(SAMPLES)(points, np.cos(turns), np.sin(turns), values).full()
+    middle = np.tile([[(s.low + s.high) / 2] for s in of.channels], SAMPLES)
+    pairs = np.cos(turns), np.sin(turns), np.cos(phases), np.sin(phases)
+    _, rows, directions = of.function.map(SAMPLES)(points, *pairs, values, middle)
+    m = len(of.channels)
+    return Samples(phases, rows.full().reshape(m, SAMPLES, -1), directions.full().reshape(m, SAMPLES, m))
+
+
+def _check_phases(of: Model, at: Samples) -> None:
+    for phase, values in zip(of.phases, np.abs(at.phases), strict=True):
+        if (most := np.nanmax(values)) > phase.largest * (1 + SAMPLE_ROUNDING):
+            raise ModelError(
+                f"phase '{phase.name}' is {most:.6g} rad within the ranges of the unknowns, and its largest value is "
+                f"{phase.largest:g} rad: give {most:.6g} rad at least"
+            )
+
+
+def _check_directions(of: Model, at: Samples) -> None:
+    norms = np.linalg.norm(at.directions, axis=0)
+    for j, channel in enumerate(of.channels):
+        if (wrong := np.nanmax(np.abs(norms[:, j] - 1))) > SAMPLE_ROUNDING:
+            raise ModelError(
+                f"an error of 1 {channel.unit} in '{channel.name}' changes the residuals of the Implicit model by "
+                f"{norms[np.nanargmax(np.abs(norms[:, j] - 1)), j]:.4g} {channel.unit}, which is off by {wrong:.2g}: "
+                "give residuals that are the channels' errors up to signs and rotations, or h"
+            )
+
+
+def _check_resolution(of: Model, at: Samples) -> None:
+    columns = np.nan_to_num(at.rows, posinf=0, neginf=0)
+    information = (columns**2).sum(axis=0).max(axis=0) + of.prior_weights
+    for u, most in zip(of.unknowns, information, strict=True):
+        if most == 0:
+            raise ModelError(f"no channel and no prior depends on '{u.name}': leave it out, or correct h")
+        if u.largest_deviation**2 * most > (DYNAMIC_RANGE * of.scale) ** 2:
+            least = of.scale / most**0.5
+            raise ModelError(
+                f"the largest deviation of '{u.name}' is {u.largest_deviation:g} {u.signal.unit}, and the channels "
+                f"resolve {least:.3g}: single precision allows a ratio of {DYNAMIC_RANGE:g}, give "
+                f"{DYNAMIC_RANGE * least:.3g} {u.signal.unit} at most"
+            )

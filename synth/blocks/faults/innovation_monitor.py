@@ -25,9 +25,8 @@ import casadi as ca
 
 from synth import arguments
 from synth.block import Block, Exprs, Step, build, clip
-from synth.blocks.faults import redundancy_signals
-from synth.blocks.faults.isolation import FRESH
-from synth.blocks.faults.redundancy_decision import DOUBTS, Decision
+from synth.blocks.faults import redundancy_decision
+from synth.blocks.faults.redundancy_decision import DOUBTS, FRESH, Decision
 from synth.blocks.guard import safety
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -55,7 +54,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         y, expected, excluded, doubts = u[f"{n}_accepted"], u[f"{n}_expected"], x["excluded"], x["doubts"]
         same = y == x["code"]
-        unchanged = redundancy_signals.count(same, x["still"], decision.longest(True))
+        unchanged = redundancy_decision.count(same, x["still"], decision.longest(True))
         before = ca.if_else(u["ready"], ca.if_else(same, x["before"], expected), y)
         distance = ca.fabs(expected - y)
         growth = distance - ca.fabs(x["code"] - x["before"])
@@ -104,9 +103,9 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
 
     return build(
         f"{n}_{safety.MONITOR}", time, law,
-        inputs=redundancy_signals.inputs_of_monitor(sensor, decision.at_rest > 0, missed_calls),
-        outputs=redundancy_signals.outputs_of_monitor(sensor),
-        states=redundancy_signals.states_of_monitor(sensor, decision),
+        inputs=redundancy_decision.inputs_of_monitor(sensor, decision.at_rest > 0, missed_calls),
+        outputs=redundancy_decision.outputs_of_monitor(sensor),
+        states=redundancy_decision.states_of_monitor(sensor, decision),
         tag="frozen codes, jumps of the innovation",
     )  # fmt: skip
 

@@ -1,6 +1,6 @@
 """Controlled landing of a levitated body: ramps of the set-points and a state feedback that follows them.
 
-From the sample on in which ``regular`` is lost for `patience` samples in a row, or too often (`bad_samples`), the
+From the sample on in which ``regular`` is lost for `patience` samples in a row, or too often (`safety`), the
 demands w of all coordinates are
 
     w = -p^2 (q - r) - 2 p (v - r') + r'' - d            q, v, d: estimates of a predictive observer (`predictor`)
@@ -15,22 +15,81 @@ part, and the history of the tracking has no influence: the observer's disturban
 The landing is over, ``landed``, when r is `beyond` the end, wherever the body is; it ``rests`` on its stop while q, the
 coordinate as the laws read it, is beyond `rests_beyond`. It never returns to tracking; `init` does. Until the latch
 a status bit of the fault word says that the machine lands, ``lands``: all readings may be good again meanwhile.
+
+Courses of the coordinates in a landing: descent to the stop, braking, levelling, release to a spring.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks.faults.landing_courses import Braking, Course, Descent, Levelling, Release
-from synth.blocks.guard import bad_samples, safety
+from synth.blocks.guard import safety
 from synth.errors import SignalError
 from synth.failure import Failure, enumeration
 from synth.fault import BRAKING_BIT, Fault
 from synth.signals import Signal
 from synth.timing import Discrete
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Descent:
+    """To the stop at `end`: speed, touch and press in m/s, acceleration in m/s^2, `beyond` in m, p in rad/s.
+
+    `bound` in m bounds the set-point below 0. A body that has landed rests on its stop while it is farther than
+    `rests_beyond`, in m.
+    """
+
+    coordinate: str
+    end: float
+    speed: float
+    touch: float
+    press: float
+    acceleration: float
+    beyond: float
+    pole: float
+    bound: float
+    rests_beyond: float
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Braking:
+    """To rest within +-`bound`, with at most `acceleration`; the poles are at -`pole` rad/s."""
+
+    coordinate: str
+    acceleration: float
+    pole: float
+    bound: float
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Levelling:
+    """To zero, with the poles at -`pole` rad/s, or -`predicted_pole` without a measurement.
+
+    A fast motion along predictions alone excites what the model does not know.
+    """
+
+    coordinate: str
+    pole: float
+    predicted_pole: float
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Release:
+    """To its guide spring: `spring` in 1/s^2, with a name for the C, is the part of it that the laws compensate."""
+
+    coordinate: str
+    spring: Constant
+
+
+Course = Descent | Braking | Levelling | Release
+
 
 LANDS = Signal("lands", "1", 0, 1, "lands until it latches")
 _FLAGS = [
@@ -57,13 +116,13 @@ def block(
     positive or below 0 for `good_samples`, of which so many make up for one without ``regular``.
     """
     _check(courses, demands, patience)
-    bad_samples.check(good_samples)
+    safety.check(good_samples)
     T, moving = time.period_s, [c for c in courses if isinstance(c, Descent | Braking)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         waiting = ca.logic_and(ca.logic_not(u["regular"]), u["ready"])
-        left = bad_samples.next_count(ca.logic_not(waiting), x["left"], patience, good_samples)
-        due = ca.logic_and(waiting, bad_samples.is_due(x["left"], good_samples))
+        left = safety.next_count(ca.logic_not(waiting), x["left"], patience, good_samples)
+        due = ca.logic_and(waiting, safety.is_due(x["left"], good_samples))
         landing = ca.if_else(due, 1, x["landing"])
         named: list[tuple[Signal, ca.SX]] = []
         output, next = {LANDS.name: ca.if_else(u["latched"], 0, landing)}, {"left": left, "landing": landing}
@@ -106,7 +165,7 @@ def block(
         )
 
     states = [
-        bad_samples.state(patience, good_samples, "samples until it lands"),
+        safety.state(patience, good_samples, "samples until it lands"),
         State(Signal("landing", "1", 0, 1, "lands until init"), 0, True),
     ]
     for c in moving:
@@ -117,7 +176,7 @@ def block(
         states=states, tag="ramps and state feedback",
     )  # fmt: skip
     faults = (Fault(BRAKING_BIT, LANDS.name, about=LANDS.about, status=True),)
-    return replace(made, faults=faults, failures=(_row(courses, bad_samples.rule(patience, good_samples)),))
+    return replace(made, faults=faults, failures=(_row(courses, safety.rule(patience, good_samples)),))
 
 
 def _row(courses: Sequence[Course], patience: str) -> Failure:
@@ -156,7 +215,7 @@ def _ramp(c: Descent | Braking) -> tuple[Signal, ...]:
 def _numbers(time: Discrete, patience: int, good_samples: int) -> list[Constant]:
     T = time.period_s
     return [
-        *bad_samples.numbers(
+        *safety.numbers(
             "landing_patience", patience, good_samples, "samples in a row with a prediction until it lands"
         ),
         Constant("half_T", T / 2, "s", "half the sample period"),

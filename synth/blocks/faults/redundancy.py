@@ -7,8 +7,9 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
     one reading of a group refused    the relation replaces it, y_i = -sum_{k != i} w_k y_k / w_i
     two or more                       predictions replace them
 
-    contradiction   |r| > threshold, r = sum_i w_i y_i. It says that a sensor is wrong, and `isolation` which one; where
-                    that is not clear, all of the group are suspects after `undecided` samples, and all stay in use.
+    contradiction   |r| > threshold, r = sum_i w_i y_i. It says that a sensor is wrong, and `redundancy_decision` which
+                    one; where that is not clear, all of the group are suspects after `undecided` samples, and all stay
+                    in use.
 
 A sensor without a group has an `innovation_monitor` of its own, which says whether it is trusted.
 
@@ -22,6 +23,8 @@ undecided. ``regular`` says that further no reading without a group is replaced.
 
 Source: Isermann, *Fault-Diagnosis Systems*, chapters 10 (parity) and 11 (observers); Patton, Chen, "Review of parity
 space approaches to fault diagnosis", 1994.
+
+Failures that `redundancy` notices, as rows of the header's table, with the numbers of its decisions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,14 +35,87 @@ import casadi as ca
 from synth import arguments
 from synth.analyse.structure.parity import Relation
 from synth.block import Block, Exprs, Step, build, clip
-from synth.blocks.faults import isolation, redundancy_signals
-from synth.blocks.faults.isolation import FRESH
-from synth.blocks.faults.redundancy_decision import Decision
-from synth.blocks.faults.redundancy_failures import of_redundancy
+from synth.blocks.faults import redundancy_decision
+from synth.blocks.faults.redundancy_decision import DOUBTS, FRESH, STILL, Decision
 from synth.blocks.guard import safety
+from synth.blocks.guard.safety import REFUSED
 from synth.errors import SignalError
+from synth.failure import Failure, enumeration
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
+
+PARITY = "what the others say, by the parity relation"
+PREDICTION = "the prediction of its observer"
+
+
+def of_redundancy(
+    signals: Mapping[str, Signal], relations: Sequence[Relation], singles: Sequence[str], decision: Decision
+) -> tuple[Failure, ...]:
+    """Return the rows of the groups of sensors and of those without a group, once all were good in one sample."""
+    rows = [row for relation in relations for row in _of_group(signals, relation, decision)]
+    return (*rows, *(_of_singles(signals, singles, decision) if singles else ()))
+
+
+def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decision) -> list[Failure]:
+    names = tuple(relation.weights)
+    unit, most = signals[names[0]].unit, decision.tolerated
+    wrong = (
+        f"|residual| above {relation.threshold:g} {unit} in {decision.persistent} samples in a row, and one has by far "
+        f"the largest innovation or alone a code that stands still ({FRESH} or {STILL} samples): excluded until init"
+    )
+    unclear = (
+        f"the same in {decision.undecided} samples in a row, or an excluded one moves again after it stood still: "
+        "it is used again"
+    )
+    group = f"of {enumeration(names, 'and')}"
+    alone = "no relation is left: another wrong one is not noticed"
+    return [
+        Failure("one_refused", f"one {group} {REFUSED}", "in that sample", PARITY, f"meanwhile {alone}", names),
+        Failure("one_wrong", f"one {group} frozen, offset, drifting or jumping", wrong, PARITY, f"from then on {alone}",
+                (), names),
+        Failure("unclear", f"the same, but which one is not clear: all {group} are suspects", unclear,
+                "nothing: those in use stay in use, another excluded one stays replaced", "", (), names),
+        Failure("several_lost", f"two {group} refused or excluded" if most == 2 else f"2 to {most} {group} refused or "
+                "excluded", "in that sample", PREDICTION, "", names, names),
+        Failure("too_many_lost", f"more than {most} {group} refused or excluded", "in that sample", PREDICTION, "",
+                names, names),
+    ]  # fmt: skip
+
+
+def _of_singles(signals: Mapping[str, Signal], singles: Sequence[str], decision: Decision) -> list[Failure]:
+    names, (first, *_) = tuple(singles), singles
+    unit = signals[first].unit
+    gates = enumeration([f"{g:g} {unit}" for g in dict.fromkeys(decision.gate[n] for n in singles)])
+    travels = dict.fromkeys(decision.travel[n] for n in singles)
+    inside = enumeration([f"{low:g} .. {high:g} {unit}" for low, high in travels])
+    frozen = (
+        f"its code stands still for {FRESH} samples or more while its prediction, which agreed with its last {DOUBTS} "
+        f"changes, moves by more than {gates}"
+    )
+    frozen += f"; or no answer to the probe; only inside {inside}; excluded until init"
+    return [
+        Failure("single_refused", f"{enumeration(names)} {REFUSED}", "in that sample", PREDICTION, "", names),
+        Failure("single_frozen", f"{enumeration(names)} frozen", frozen, PREDICTION, "", (), names),
+        *_of_jumps(signals, decision, inside),
+        Failure("singles_lost", f"{enumeration(names, 'and')} refused or excluded", "in that sample", PREDICTION, "",
+                names, names),
+    ]  # fmt: skip
+
+
+def _of_jumps(signals: Mapping[str, Signal], decision: Decision, inside: str) -> list[Failure]:
+    if not decision.jump:
+        return []
+    names, (first, *_) = tuple(decision.jump), decision.jump
+    gates = enumeration([f"{g:g} {signals[first].unit}" for g in dict.fromkeys(decision.jump.values())])
+    noticed = (
+        f"further than {gates} from its prediction, which agreed with its last {DOUBTS} changes; only inside {inside}; "
+        f"excluded until init after {decision.persistent} samples in a row. Not after missed calls, until the "
+        "prediction agrees again: count them, else they look like a jump. A smaller offset, a drift and noise are not "
+        "noticed"
+    )
+    what = f"{enumeration(names)} jumping inside its range"
+    return [Failure("single_jumps", what, noticed, f"{PREDICTION}, at once", "", (), names)]
+
 
 __all__ = ["Decision", "block"]
 
@@ -74,7 +150,7 @@ def block(
         usable = {n: ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(x[f"excluded_{n}"])) for n in group}
         next: dict[str, ca.SX] = {f"code_{n}": y[n] for n in group}
         longest = decision.longest(False)
-        next |= {f"still_{n}": redundancy_signals.count(same[n], x[f"still_{n}"], longest) for n in group}
+        next |= {f"still_{n}": redundancy_decision.count(same[n], x[f"still_{n}"], longest) for n in group}
         value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
         determined, sufficient = ca.SX(1), ca.SX(1)
         sound = calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
@@ -108,9 +184,9 @@ def block(
 
     made = build(
         safety.REDUNDANCY, time, law,
-        inputs=redundancy_signals.inputs(grouped, singles),
-        outputs=redundancy_signals.outputs(sensors, grouped),
-        states=redundancy_signals.states(grouped, relations, decision),
+        inputs=redundancy_decision.inputs(grouped, singles),
+        outputs=redundancy_decision.outputs(sensors, grouped),
+        states=redundancy_decision.states(grouped, relations, decision),
         tag="parity, innovations, frozen codes",
     )  # fmt: skip
     return replace(made, failures=of_redundancy(by_name, relations, singles, decision))
@@ -160,8 +236,8 @@ def _vote(
 
     direction = {n: ca.if_else(r > 0, w, -w) for n, w in weights.items()}
     E = {n: direction[n] * (y[n] - expected[n]) for n in names}
-    score, best, clear = isolation.isolate(names, E, stands, ca.fabs(r), undecided)
-    least = ca.if_else(clear, best, 2 * isolation.PREFERENCE)
+    score, best, clear = redundancy_decision.isolate(names, E, stands, ca.fabs(r), undecided)
+    least = ca.if_else(clear, best, 2 * redundancy_decision.PREFERENCE)
     isolated = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
     final = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0)
     left_out_now = {n: isolated[n] * final for n in names}
@@ -183,7 +259,7 @@ def _vote(
         suspects[n] = ca.if_else(by_case(undecided, isolated[n] + waited, excluded[n] + doubted) > 0, 1, 0)
     next = {
         f"contradictions_{i}": by_case(
-            ca.SX(0), redundancy_signals.count(ca.SX(1), count, decision.undecided), ca.SX(0)
+            ca.SX(0), redundancy_decision.count(ca.SX(1), count, decision.undecided), ca.SX(0)
         ),
         f"stuck_{i}": by_case(stuck, ca.if_else(stuck_now + stuck > 0, 1, 0), stuck),
         f"undecided_{i}": by_case(undecided, waited, doubted),
@@ -191,7 +267,7 @@ def _vote(
     }
     regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
-    shown = isolation.signals(i, signals[names[0]].unit, r, E, score)
+    shown = redundancy_decision.signals(i, signals[names[0]].unit, r, E, score)
     return _Vote(value, suspects, next, regular, sufficient, agreement, shown)
 
 

@@ -1,17 +1,110 @@
-"""Decision thresholds of sensor fault detection (FDIA): the samples, gates and travels of `redundancy`, with names."""
+"""Decision thresholds of sensor fault detection (FDIA): the samples, gates and travels of `redundancy`, with names.
+
+Inputs, outputs and states of `redundancy` and of `innovation_monitor`.
+
+Fault isolation: which sensor of a parity relation is wrong.
+
+    r = sum_i w_i y_i,   E_i = sign(r) w_i (y_i - y^_i) with the prediction y^_i
+
+For one wrong sensor with an error e, r = w e. Its E is |r|, and that of the others is 0, as far as the predictions do
+not follow the error. The rules, in this order:
+
+    1. of the sensors whose code did not change for FRESH samples, the one with the largest E_i > 0.4 |r|, where
+       the next one is smaller by 0.05 |r|;
+    2. the only one whose code stands still, STILL samples or more, while the codes of all others move;
+    3. the one with the largest E_i, where the next one is smaller by 0.3 |r|;
+    4. otherwise it is not clear. Rule 3 does not hold once a group is undecided.
+
+Source: Isermann, *Fault-Diagnosis Systems*, chapter 10 (parity), with the innovations of chapter 11 as votes.
+"""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf, sqrt
+
+import casadi as ca
 
 from synth import arguments
 from synth.analyse.structure.parity import Relation
-from synth.block import Constant
-from synth.blocks.faults import isolation
-from synth.blocks.faults.isolation import FRESH, STILL
-from synth.blocks.guard import range_numbers
+from synth.block import Constant, Exprs, State
+from synth.blocks.guard import safety
 from synth.errors import SignalError
 from synth.signals import Signal
+
+FRESH, STILL = 3, 8  # samples without a change of the code: fewer, it moves; at least, it stands still
+CANDIDATE = 0.4  # of |r|: least E by rule 1
+LEAD = {"by code": 0.05, "by innovation": 0.3}  # of |r|: of the largest E over the next one, by rules 1 and 2, and 3
+PREFERENCE = 10.0  # added to E by rules 1 and 2; larger than any reading
+
+
+def isolate(
+    names: Sequence[str], E: Exprs, still: Exprs, size: ca.SX, undecided: ca.SX
+) -> tuple[dict[str, ca.SX], ca.SX, ca.SX]:
+    """Return the score of each sensor, the largest, and whether that sensor explains a contradiction clearly.
+
+    `E` and `still` (samples without a change) are by sensor, `size` is |r|. A group that is `undecided` has wrong
+    predictions, so rule 3 does not hold for it. The rules are weights, not decisions: at most one sensor is chosen, and
+    a chain of decisions about it would have outcomes that no input reaches.
+    """
+    least_E = CANDIDATE * size
+    repeats = {n: still[n] >= FRESH for n in names}
+    candidate = {n: _one(ca.logic_and(repeats[n], E[n] > least_E)) for n in names}
+    moving = sum((_one(still[n] < FRESH) for n in names), start=ca.SX(0))
+    others_move = _one(moving == len(names) - 1)
+    stands = {n: still[n] >= STILL for n in names}
+    alone = {n: _one(stands[n]) * others_move for n in names}
+    candidates = sum(candidate.values(), start=ca.SX(0))
+    by_first_rule = _one(candidates > 0)
+    by_second_rule = 1 - by_first_rule
+    preferred = {n: by_second_rule * alone[n] for n in names}
+    score = {n: E[n] + PREFERENCE * (candidate[n] - by_first_rule + preferred[n]) for n in names}
+    best, second = ca.SX(-PREFERENCE), ca.SX(-PREFERENCE)
+    for n in names:
+        second = ca.fmax(second, ca.fmin(best, score[n]))
+        best = ca.fmax(best, score[n])
+    standing = sum(alone.values(), start=ca.SX(0))
+    by_code = candidates + standing > 0
+    distinct = best - second > ca.if_else(by_code, LEAD["by code"], LEAD["by innovation"]) * size
+    return score, best, ca.logic_and(distinct, ca.logic_or(by_code, ca.logic_not(undecided)))
+
+
+def signals(i: int, unit: str, r: ca.SX, E: Exprs, score: Exprs) -> list[tuple[Signal, ca.SX]]:
+    """Return the signals of relation i that the C names, for readings in a unit."""
+    most = 10 * PREFERENCE
+    named = [(Signal(f"residual_{i}", unit, -most, most, "of the parity relation"), r)]
+    named += [(Signal(f"E_{n}", unit, -most, most, "innovation that explains it"), v) for n, v in E.items()]
+    return named + [(Signal(f"score_{n}", unit, -most, most, "the largest is wrong"), v) for n, v in score.items()]
+
+
+def numbers_of_relation(unit: str, i: int, threshold: float) -> list[Constant]:
+    """Return the numbers of the rules and of relation i that the C names, for readings in a unit."""
+    return [
+        Constant(
+            f"threshold_{i}", threshold, unit, "largest |r| without a fault: half a count and an offset of each sensor"
+        ),
+        Constant(
+            "candidate_part",
+            CANDIDATE,
+            "1",
+            "of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it",
+        ),
+        Constant(
+            "lead_by_code", LEAD["by code"], "1", "of |r|: least lead over the next E by codes: more than noise of E"
+        ),
+        Constant(
+            "lead_by_innovation",
+            LEAD["by innovation"],
+            "1",
+            "of |r|: least lead by innovations alone, which predictions that followed an error spoil",
+        ),
+        Constant("preference", PREFERENCE, unit, "more than any E: codes decide before innovations"),
+        Constant("twice_preference", 2 * PREFERENCE, unit, "more than any score: no sensor is named"),
+    ]
+
+
+def _one(flag: ca.SX) -> ca.SX:
+    return ca.if_else(flag, 1.0, 0.0)
+
 
 DOUBTS = 10  # changes of a code that agree until its prediction is believed, at first and after missing calls
 
@@ -58,14 +151,14 @@ class Decision:
     def numbers(self, signals: Mapping[str, Signal], relations: Sequence[Relation]) -> list[Constant]:
         """Return the numbers of the groups that the C names."""
         units = (signals[next(iter(r.weights))].unit for r in relations)
-        numbers = [n for i, unit in enumerate(units) for n in isolation.numbers(unit, i, relations[i].threshold)]
+        numbers = [n for i, unit in enumerate(units) for n in numbers_of_relation(unit, i, relations[i].threshold)]
         groups = dict.fromkeys(len(r.weights) - 1 for r in relations)
         others = (
             Constant(f"all_but_one_of_{n + 1}", n, "1", "sensors of a group but one", ("moving",)) for n in groups
         )
         return [
             *numbers, *self._counts(),
-            *(n for r in relations for name in r.weights for n in range_numbers.ends(signals[name])),
+            *(n for r in relations for name in r.weights for n in safety.ends(signals[name])),
             Constant("undecided_from", self.undecided - 1, "1", "contradictions before all are suspects",
                      ("contradictions",)),
             Constant("most_contradictions", self.undecided, "1", "contradictions that are counted",
@@ -123,3 +216,100 @@ def jump_gate(gate: float, acceleration: float, resolution: float, period: float
         if not 0 <= value < inf:
             raise SignalError(f"gate of jumps: the {name} is {value}: give a finite number of at least 0")
     return gate + period * sqrt(2 * gate * acceleration) + acceleration * period**2 / 2 + resolution
+
+
+def count(flag: ca.SX, counted: ca.SX, most: int) -> ca.SX:
+    """Return the next of a counter of samples in a row with a flag, which stays at `most`."""
+    return ca.if_else(flag, ca.if_else(counted >= most, counted, counted + 1), 0)
+
+
+def inputs(grouped: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
+    """Return the inputs for the sensors of groups and for those without one."""
+    return [*_read(grouped), *(_monitor_flag(n, of) for of in _MONITOR_FLAGS for n in singles), _READY, _COMPLETE]
+
+
+def outputs(sensors: Sequence[Signal], grouped: Sequence[Signal]) -> list[Signal]:
+    """Return the outputs; `grouped` are the sensors of groups."""
+    flags = [_flag(f"suspect_{s.name}", "wrong, or may be: contradicts the others or is frozen") for s in sensors]
+    held = [replace(s, name=f"{s.name}_held", about=s.about) for s in grouped]
+    return [
+        safety.SOUND, *held, *flags,
+        _flag("regular", "every coordinate is measured"), _flag("sufficient", "the machine can be controlled"),
+        _flag("determined", "every coordinate of the groups is measured"),
+        _flag("degraded", "a reading is refused, replaced or contradicted, or a sensor was a suspect"),
+    ]  # fmt: skip
+
+
+def states(grouped: Sequence[Signal], relations: Sequence[Relation], decision: Decision) -> list[State]:
+    """Return the states of the sensors of groups, of the relations and of the whole."""
+    declared = [state for s in grouped for state in _code(s, f"_{s.name}", decision.longest(False))]
+    for i in range(len(relations)):
+        samples = Signal(f"contradictions_{i}", "1", 0, decision.undecided, "samples in a row")
+        declared.append(State(samples, 0, True))
+        declared.append(State(_flag(f"stuck_{i}", "the excluded sensor stood still"), 0, True))
+        declared.append(State(_flag(f"undecided_{i}", "which sensor is wrong is not known"), 0, True))
+    return [*declared, State(_flag("degraded", "a sensor was a suspect or is excluded, until init"), 0, True)]
+
+
+def inputs_of_monitor(sensor: Signal, is_probed: bool, missed_calls: Signal | None) -> list[Signal]:
+    """Return the inputs of the monitor of a sensor, which a probe may ask."""
+    answers = [_flag(f"{sensor.name}_unanswered", "no pair of the probe was answered")] if is_probed else []
+    return [*_read([sensor]), *answers, _READY, safety.SOUND, safety.JUDGING, *([missed_calls] if missed_calls else [])]
+
+
+def outputs_of_monitor(sensor: Signal) -> list[Signal]:
+    """Return the outputs of the monitor of a sensor."""
+    n = sensor.name
+    return [
+        replace(sensor, name=f"{n}_held"), *(_monitor_flag(n, of) for of in _MONITOR_FLAGS),
+        _flag(f"{n}_frozen", "its code stands still although it ought to move, or it is excluded"),
+        Signal(f"{n}_unchanged", "1", 0, 1e6, "samples without a change of the code"),
+    ]  # fmt: skip
+
+
+def states_of_monitor(sensor: Signal, decision: Decision) -> list[State]:
+    """Return the states of the monitor of a sensor."""
+    doubts = Signal("doubts", "1", 0, DOUBTS, "changes until its prediction is believed")
+    before = replace(sensor, name="before", about="prediction at the last change")
+    jumps = Signal("jumps", "1", 0, max(decision.persistent - 1, 1), "samples in a row far from its prediction")
+    return [
+        *_code(sensor, "", decision.longest(True)),
+        State(doubts, DOUBTS, True),
+        State(before, _middle(sensor)),
+        *([State(jumps, 0, True)] if sensor.name in decision.jump else []),
+    ]
+
+
+def _flag(name: str, about: str) -> Signal:
+    return Signal(name, "1", 0, 1, about)
+
+
+_READY, _COMPLETE = _flag("ready", "every measurement was good at once"), _flag("complete", "all are good")
+_MONITOR_FLAGS = {
+    "trusted": "measured, not predicted",
+    "suspect": "wrong, or may be: is frozen or jumps",
+    "usual": "sound, and nothing is wrong with this one",
+}
+
+
+def _monitor_flag(n: str, of: str) -> Signal:
+    return _flag(f"{n}_{of}", _MONITOR_FLAGS[of])
+
+
+def _read(sensors: Sequence[Signal]) -> list[Signal]:
+    accepted = [replace(s, name=f"{s.name}_accepted") for s in sensors]
+    faults = [_flag(f"fault_{s.name}", "refused this sample") for s in sensors]
+    return [*accepted, *faults, *(replace(s, name=f"{s.name}_expected", about="prediction") for s in sensors)]
+
+
+def _code(sensor: Signal, suffix: str, longest: int) -> list[State]:
+    code = replace(sensor, name=f"code{suffix}", about="accepted reading one sample ago")
+    return [
+        State(code, _middle(sensor)),
+        State(Signal(f"still{suffix}", "1", 0, longest, "samples without a change"), 0, True),
+        State(_flag(f"excluded{suffix}", "wrong until init"), 0, True),
+    ]
+
+
+def _middle(sensor: Signal) -> float:
+    return (sensor.low + sensor.high) / 2

@@ -18,21 +18,188 @@ brings the machine to rest before the outputs go to their safe values. In the la
 A measurement in its range may still contradict the others. A Block that detects this sets ``suspected`` from the next
 sample on, and ``suspect_<name>`` of each measurement that may be wrong. Their values are passed on unchanged. No sample
 is ``complete`` while `suspected` is set, so a persistent suspicion causes a latch.
+
+Numbers of limits that the C names.
+
+Numbers of a guard that the C names: samples until the latch.
+
+Failures that a guard notices, as rows of the header's table.
+
+Leaky counter of bad samples: a bad one takes away as much as several good ones give back.
+
+    n' = n - c after a bad sample, min(n + 1, N c) after a good one;   it is due in the bad sample in which n <= c
+
+With N bad samples in a row it is due in the last of them, and sooner or later wherever more than one sample of c + 1 is
+bad. Without leak, c = 1, and one good sample restores all.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import casadi as ca
 
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build
-from synth.blocks.guard import bad_samples as bad_sample_counts
-from synth.blocks.guard import guard_failures, safety_numbers
 from synth.errors import SignalError
+from synth.failure import Failure, enumeration
 from synth.fault import BRAKING_BIT, Judgement
 from synth.signals import Signal
 from synth.timing import Discrete
+
+
+def limit(name: str, value: float, unit: str, source: str) -> Constant:
+    """Return a number that something is compared with or limited to."""
+    return Constant(name, value, unit, source, is_limit=True)
+
+
+def ends(of: Signal) -> list[Constant]:
+    """Return ``highest_<signal>``, and ``lowest_<signal>`` of a range that is not about 0."""
+    highest = limit(f"highest_{of.name}", of.high, of.unit, "end of its range")
+    lowest = limit(f"lowest_{of.name}", of.low, of.unit, "end of its range")
+    return [highest] if of.low == -of.high else [highest, lowest]
+
+
+REFUSED = "not finite or outside its range"
+INITIAL = "always its initial value"
+
+
+class Guarded(Protocol):
+    """An input of the guard, as `safety.GuardedInput` is."""
+
+    @property
+    def signal(self) -> Signal:
+        """Its name, unit and range."""
+        ...
+
+    @property
+    def initial(self) -> float:
+        """Its value before the first good one."""
+        ...
+
+    @property
+    def measurement(self) -> bool:
+        """Whether it causes a latch."""
+        ...
+
+    @property
+    def held(self) -> bool:
+        """Whether its last good value replaces it."""
+        ...
+
+
+def of_guard(
+    inputs: Sequence[Guarded], too_many: str, suspected: Sequence[str], redundant: bool, braking: int
+) -> tuple[Failure, ...]:
+    """Return the rows of measurements, of those that may be suspects, and of the other inputs.
+
+    Behind a `redundant` guard another Block replaces measurements as soon as all were good in one sample. `too_many`
+    says how many bad samples latch.
+    """
+    latches = f"brakes for {braking - 1} samples, then latches" if braking else "latches"
+    together = f"{too_many}, of any of them: {latches}"
+    rows = []
+    for held in (True, False):
+        names = [g.signal.name for g in inputs if g.measurement and g.held == held]
+        what, key = f"{enumeration(names)} {REFUSED}", "refused" if held else "refused_not_held"
+        if redundant:
+            what, key = f"{what}, before all were good in one sample", "refused_at_first"
+        reaction = f"the law goes on; {together}"
+        instead = "what the others or a prediction say" if redundant else _instead(held)
+        rows += [Failure(key, what, "in that sample", instead, reaction, tuple(names))] if names else []
+    if suspected and not redundant:
+        what = f"{enumeration(suspected)} contradicts the others"
+        reaction = f"counts as refused: {together}"
+        rows.append(Failure("suspected", what, "from the next sample on", "nothing", reaction, (), tuple(suspected)))
+    for held in (True, False):
+        names = [g.signal.name for g in inputs if not g.measurement and g.held == held]
+        what, key = f"{enumeration(names)} {REFUSED}", "set_point" if held else "set_point_not_held"
+        reaction = "the law goes on; never latches"
+        rows += [Failure(key, what, "in that sample", _instead(held), reaction, tuple(names))] if names else []
+    return tuple(rows)
+
+
+def _instead(held: bool) -> str:
+    return "its last good value" if held else INITIAL
+
+
+def full(samples: int, good_samples: int) -> int:
+    """Return N c, the count after init: of `samples` in a row, where `good_samples` make up for one of them."""
+    return samples * max(good_samples, 1)
+
+
+def is_due(left: ca.SX, good_samples: int) -> ca.SX:
+    """Return whether a bad sample is the last one."""
+    return left <= max(good_samples, 1)
+
+
+def next_count(good: ca.SX, left: ca.SX, samples: int, good_samples: int) -> ca.SX:
+    """Return the count one sample later; the last bad sample leaves it as it is."""
+    cost, most = max(good_samples, 1), full(samples, good_samples)
+    restored = ca.if_else(left >= most, left, left + 1) if good_samples else most
+    return ca.if_else(good, restored, ca.if_else(is_due(left, good_samples), left, left - cost))
+
+
+def state(samples: int, good_samples: int, about: str) -> State:
+    """Return the state of the counter."""
+    most = full(samples, good_samples)
+    unit = f", in 1/{good_samples} of a sample" if good_samples else ""
+    return State(Signal("left", "1", 1, max(most, 2), f"{about}{unit}"), most, True)
+
+
+def numbers(name: str, samples: int, good_samples: int, about: str) -> list[Constant]:
+    """Return the numbers of the counter that the C names."""
+    if not good_samples:
+        return [Constant(name, samples, "1", about, ("left",))]
+    return [
+        Constant(name, full(samples, good_samples), "1", f"{about}, times {good_samples}", ("left",)),
+        Constant("good_per_bad", good_samples, "1", "good samples that make up for a bad one", ("left",)),
+    ]
+
+
+def rule(samples: int, good_samples: int) -> str:
+    """Return when the counter is due, as text."""
+    return f"{samples} samples in a row" + (f", or more than 1 in {good_samples + 1} for long" if good_samples else "")
+
+
+def check(good_samples: int, braking: int = 0) -> None:
+    """Raise SignalError for a negative number, and for one of a guard that brakes: it counts samples in a row."""
+    if good_samples < 0 or (good_samples and braking):
+        raise SignalError(
+            f"{good_samples} good samples make up for a bad one, with {braking} samples of braking: give 0, where one "
+            "good sample restores all, or more without braking"
+        )
+
+
+MAY_LATCH_FROM = 2  # samples left, of a guard that brakes, before one that may latch
+
+
+def about_left(braking: int) -> str:
+    """Return what the count until the latch counts."""
+    certain = f"; at {braking} and below each sample counts as bad" if braking else ""
+    return f"samples with a bad measurement until it latches{certain}"
+
+
+def latch(bad: int, braking: int, good_samples: int) -> list[Constant]:
+    """Return the numbers of samples that the C names, for a latch after `bad` ones and those of `braking`."""
+    about = "bad samples in a row until it latches"
+    if not braking:
+        return numbers("latch_samples", bad, good_samples, about)
+    total = bad + braking
+    about = f"{bad} bad samples in a row, and {braking} that count as bad whatever is measured, until it latches"
+    certain = (
+        f"of the {total}, left in the sample that first sets bit {BRAKING_BIT}; fewer are left in those that brake"
+    )
+    brakes = f"of the {total}, left in the first sample that brakes; from it on each one counts as bad"
+    return [
+        *numbers("latch_samples", total, good_samples, about),
+        Constant("latch_certain_from", braking + 1, "1", certain, ("left",)),
+        Constant("braking_from", braking, "1", brakes, ("left",)),
+        Constant(
+            "may_latch_from", MAY_LATCH_FROM, "1", f"of the {total}, left in the sample before the latch", ("left",)
+        ),
+    ]
+
 
 __all__ = [
     *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "MONITOR", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT"),
@@ -111,7 +278,7 @@ def guard(
     or for a suspected name that is not a measurement or is listed twice.
     """
     _check_guard(inputs, bad_samples, suspected, braking, redundant)
-    bad_sample_counts.check(good_samples, braking)
+    check(good_samples, braking)
     samples = bad_samples + braking
     held_inputs = [g for g in inputs if g.held]
     measured = [g.signal.name for g in inputs if g.measurement]
@@ -127,7 +294,7 @@ def guard(
             f"fault_{s.name}": u[s.name] if redundant else ca.logic_and(u[SUSPECTED], u[s.name]) for s in suspects
         }
         if measured:
-            complete, final = ca.SX(1), bad_sample_counts.is_due(x["left"], good_samples)
+            complete, final = ca.SX(1), is_due(x["left"], good_samples)
             for n in suspected or measured:
                 complete = ca.if_else(good[n], complete, 0)
             complete = ca.if_else(u[SUSPECTED], 0, complete) if suspects and not redundant else complete
@@ -139,19 +306,19 @@ def guard(
                 every = ca.if_else(x["left"] <= braking, 0, every)
                 output[LATCH_CERTAIN.name] = ca.if_else(every, 0, x["left"] <= braking + 1)
                 output[BRAKES.name] = x["left"] < braking + 1  # a test of its own: a law behind it can skip the other
-                output[MAY_LATCH.name] = x["left"] <= safety_numbers.MAY_LATCH_FROM
+                output[MAY_LATCH.name] = x["left"] <= MAY_LATCH_FROM
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             gave_up = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u[LANDED], 1, gave_up) if redundant else gave_up
-            next["left"] = bad_sample_counts.next_count(enough, x["left"], samples, good_samples)
+            next["left"] = next_count(enough, x["left"], samples, good_samples)
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
             output |= {JUDGING.name: ca.logic_and(x["ready"], ca.logic_not(x["latched"]))} if redundant else {}
-        return Step(output, next, numbers=safety_numbers.latch(bad_samples, braking, good_samples) if measured else [])
+        return Step(output, next, numbers=latch(bad_samples, braking, good_samples) if measured else [])
 
     last = "last good value"
     states = [State(replace(g.signal, name=f"last_{g.signal.name}", about=last), g.initial) for g in held_inputs]
-    left = bad_sample_counts.state(samples, good_samples, safety_numbers.about_left(braking))
+    left = state(samples, good_samples, about_left(braking))
     flags = [_flag("latched", "latched until init"), _flag("ready", "every measurement was good at once")]
     states += [left, *(State(f, 0, True) for f in flags)] if measured else []
     outputs = [replace(g.signal, name=f"{g.signal.name}_held") for g in inputs]
@@ -174,8 +341,8 @@ def guard(
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
     judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
     declared = Safety(samples, {}, {}, safe_output_effect, judgement, braking, good_samples) if measured else None
-    row = bad_sample_counts.rule(bad_samples, good_samples)
-    failures = guard_failures.of_guard(inputs, row, suspected, redundant, braking)
+    row = rule(bad_samples, good_samples)
+    failures = of_guard(inputs, row, suspected, redundant, braking)
     return replace(block, faults=tuple(faults), safety=declared, failures=failures)
 
 

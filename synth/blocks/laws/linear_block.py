@@ -18,7 +18,7 @@ from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, StateSpace, System, of
-from synth.synthesise.observers.estimator_start import Start
+from synth.synthesise.observers.lqg import Start
 from synth.timing import Discrete, period
 
 STARTED = Signal("started", "1", 0, 1, "the first sample is over")

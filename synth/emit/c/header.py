@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from synth.block import Block, Constant, Fault
-from synth.blocks.guard import bad_samples, guard_failures, missed_calls
+from synth.blocks.guard import missed_calls
 from synth.blocks.guard import safety as guards
 from synth.emit.c import diagnostics, failure_table, routines
 from synth.emit.c.lines import member, prose, rows
@@ -144,7 +144,7 @@ def _replacements(block: Block) -> list[str]:
         {s: initial[name] for n, s in guarded.items() if (name := f"{guards.GUARD}_{of}_{n}") in initial}
         for of in ("last", "refused")
     )
-    elsewhere = {n for f in block.failures if f.instead != guard_failures.INITIAL for n in f.inputs}
+    elsewhere = {n for f in block.failures if f.instead != guards.INITIAL for n in f.inputs}
     fixed = {s: value for s, value in fixed.items() if s.name not in elsewhere}  # else the table says what is used
     texts = [f"by its last good value, and before its first good value by {_values(last)}"] if last else []
     texts += [f"{'always ' if last else ''}by {_values(fixed)}"] if fixed else []
@@ -180,7 +180,7 @@ def _safe_output(block: Block) -> list[str]:
     safety = block.safety
     if safety is None:
         return []
-    rule = bad_samples.rule(safety.bad_samples - safety.braking, safety.good_samples)
+    rule = guards.rule(safety.bad_samples - safety.braking, safety.good_samples)
     bad = f"When a measurement is refused in {rule},"
     if not safety.safe_output:
         text = safety.safe_output_effect

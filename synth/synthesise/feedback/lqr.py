@@ -28,7 +28,7 @@ from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.feedback import period_cost
-from synth.synthesise.riccati import doubling, modes, riccati, weights
+from synth.synthesise.riccati import equation, modes, riccati, weights
 from synth.timing import Continuous, Time, period
 
 
@@ -200,7 +200,7 @@ def cost_ratio(
     d = 1 / np.where(size > 0, size, 1.0)
     NK = cost.N @ K
     step, unit = cost.Q + K.T @ cost.R @ K + NK + NK.T, d * d[:, None]
-    decay = doubling.stable_map((cost.model.A + cost.model.B @ K) * d / d[:, None], doubling.Bilinear(1.0, False))
+    decay = equation.stable_map((cost.model.A + cost.model.B @ K) * d / d[:, None], equation.Bilinear(1.0, False))
     if decay is None:
         return np.inf
     values, V = np.linalg.eigh(least * unit)

@@ -29,7 +29,7 @@ from synth.errors import ModelError, SignalError
 from synth.signals import Parameter, signal_names
 from synth.statespace import Array, readonly
 from synth.synthesise.identify import gauss_newton
-from synth.synthesise.identify.estimate import Estimate
+from synth.synthesise.identify.estimates import Estimate
 from synth.synthesise.identify.logs import Log
 
 BOUND = 0.95  # probability of the upper bound of a variance

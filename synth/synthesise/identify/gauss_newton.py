@@ -20,10 +20,10 @@ from numpy.typing import ArrayLike
 from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
-from synth.synthesise.identify import bordered, identifiability, least_squares
-from synth.synthesise.identify.estimate import Estimate
+from synth.synthesise.identify import estimates, least_squares
+from synth.synthesise.identify.estimates import Estimate
 
-Model = Callable[[Array], tuple[Array, Array | bordered.Jacobian]]
+Model = Callable[[Array], tuple[Array, Array | least_squares.Jacobian]]
 """Maps theta (k,) to g (N, p) and dg/dtheta (N, p, k). In theta, shared parameters precede those of groups of rows."""
 
 STEPS = 100  # most steps of a minimisation
@@ -58,7 +58,7 @@ class _Point:
 
     theta: Array
     e: Array
-    J: bordered.Jacobian
+    J: least_squares.Jacobian
     deviation: Array
 
     @property
@@ -147,8 +147,8 @@ def _minimum(
     y_norm = float(np.linalg.norm(y / deviation)) or 1.0
     for step in range(STEPS):
         J, e = point.J.weighted(deviation), (point.e / deviation).ravel()
-        factors = bordered.factors(J)
-        determined = factors.sigma > identifiability.RANK * max(1.0, factors.sigma.max(initial=0.0))
+        factors = least_squares.factorise(J)
+        determined = factors.sigma > estimates.RANK * max(1.0, factors.sigma.max(initial=0.0))
         projection = np.concatenate([(factors.U.T @ e)[determined], factors.group_components(e).ravel()])
         optimality = float(np.linalg.norm(projection)) / max(float(np.linalg.norm(e)), MIN_RELATIVE_RESIDUAL * y_norm)
         if optimality <= OPTIMALITY:
@@ -172,7 +172,7 @@ def _minimum(
 def _evaluate(model: Model, y: Array, theta: Array, deviation: Array) -> _Point:
     with np.errstate(all="ignore"):
         g, J = model(theta)
-    return _Point(theta, y - g, bordered.of(J), deviation)
+    return _Point(theta, y - g, least_squares.of(J), deviation)
 
 
 def _largest_residual(e: Array, outputs: Sequence[str]) -> str:

@@ -11,7 +11,7 @@ states are estimated, not taken from the log. An unstable plant is simulated ove
 states (multiple shooting).
 
 Derivatives are CasADi's, exact. Runge-Kutta steps of fourth order also integrate the sensitivities S = dx/dtheta, with
-as many steps as necessary (`trajectory_fit`).
+as many steps as necessary (`trajectory`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,10 +26,10 @@ from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Parameter, signal_names
 from synth.statespace import Array
-from synth.synthesise.identify import gauss_newton, least_squares, trajectory, trajectory_fit
-from synth.synthesise.identify.estimate import Estimate
+from synth.synthesise.identify import gauss_newton, least_squares, trajectory
+from synth.synthesise.identify.estimates import Estimate
 from synth.synthesise.identify.logs import Log
-from synth.synthesise.identify.trajectory_fit import TrajectoryFit
+from synth.synthesise.identify.trajectory import TrajectoryFit
 
 PROBE = 0.37  # relative change of a parameter, to test whether a derivative depends on it
 LINEAR = 1e-9  # of the largest entry of a derivative: its tolerated change
@@ -161,7 +161,7 @@ def fit_trajectory(
         return gauss_newton.minimise(at.simulate, at.y, start, labels, measured, noise, level, units)
 
     start = np.concatenate([values, first.starts.ravel()])
-    return trajectory_fit.refine_steps(problem, minimise, start, parameters, substeps)
+    return trajectory.refine_steps(problem, minimise, start, parameters, substeps)
 
 
 def _fit_affine(

@@ -15,18 +15,24 @@ With more inputs than outputs and a weight W, u0 the inputs at the operating poi
     u = u0 + N (D N)^-1 (w - a - D u0),    N = W^-1 D^T,
 
 has the least (u - u0)' W (u - u0). Inverses are written out by cofactors. Sources: F(11)-(13); Isidori, 5.2-5.3.
+
+Symbolic inverse of a matrix by cofactors, without pivoting and without structurally zero terms.
+
+    M^-1 b = adj(M) b / det M,    adj(M)_ij = (-1)^(i + j) det(M without row j and column i)
+
+Each minor is computed once, and the number of products grows as n^2 2^n, not as n!.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 
 import casadi as ca
 import numpy as np
 
 from synth import arguments, law, show
-from synth.analyse.numerics import box, rounding
-from synth.analyse.numerics.box import Box
+from synth.analyse.numerics import nearest_root, precise
+from synth.analyse.numerics.nearest_root import Box
 from synth.analyse.operating_points import OperatingPoint
 from synth.analyse.structure import relative_degree, zero_dynamics
 from synth.analyse.structure.relative_degree import RelativeDegree
@@ -36,9 +42,57 @@ from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import per_second, signal_names
 from synth.statespace import Array, StateSpace
-from synth.synthesise.nonlinear import cofactors
 from synth.synthesise.riccati import weights
 from synth.timing import Continuous
+
+Places = tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """M^-1 b (n, k) and det M."""
+
+    value: ca.SX
+    determinant: ca.SX
+
+
+def solve(M: ca.SX, b: ca.SX) -> Solution:
+    """Return the solution of M y = b for a square M (n, n) and b (n, k); it is not finite where M is singular."""
+    n = M.size1()
+    minors = _Minors(M)
+    everything = tuple(range(n))
+    cofactors = ca.SX(n, n)
+    for i in everything:
+        for j in everything:
+            minor = minors.of(_without(everything, j), _without(everything, i))
+            if not minor.is_zero():
+                cofactors[i, j] = (-1) ** (i + j) * minor
+    determinant = minors.of(everything, everything)
+    return Solution(ca.mtimes(cofactors, b) / determinant, determinant)
+
+
+@dataclass(frozen=True, eq=False)
+class _Minors:
+    M: ca.SX
+    minors: dict[tuple[Places, Places], ca.SX] = field(default_factory=dict)
+
+    def of(self, rows: Places, columns: Places) -> ca.SX:
+        """Return the determinant of the matrix of these rows and columns, by its first row."""
+        if not rows:
+            return ca.SX(1)
+        if (rows, columns) not in self.minors:
+            total = ca.SX(0)
+            for place, column in enumerate(columns):
+                entry = self.M[rows[0], column]
+                if not entry.is_zero():
+                    total += (-1) ** place * entry * self.of(rows[1:], _without(columns, column))
+            self.minors[rows, columns] = total
+        return self.minors[rows, columns]
+
+
+def _without(places: Places, place: int) -> Places:
+    return tuple(p for p in places if p != place)
+
 
 SEED = 7  # differs from the seeds of the relative degree
 CANCELLATION = 2.0**26  # of the demands' size: the largest terms that may cancel, half of the digits
@@ -115,14 +169,14 @@ class Linearisation:
         u = ca.SX.sym("u", len(inputs))
         reached = _derivatives(self, u)
         domain = Box(ca.vertcat(self.x, u), (*states, *inputs))
-        at = box.scatter(domain.signals, points, SEED)
+        at = nearest_root.scatter(domain.signals, points, SEED)
         demands = np.roll(domain.evaluate(reached, at)[:, 0, :], 1, axis=1)
         inputs_sent, error_u = _evaluate_law(self, at[: len(states)], demands)
-        parts = ca.horzcat(reached, rounding.error_bound(reached), ca.jacobian(reached, u))
+        parts = ca.horzcat(reached, precise.error_bound(reached), ca.jacobian(reached, u))
         values = domain.evaluate(parts, np.vstack([at[: len(states)], inputs_sent]))
         size = values[:, 1] + np.einsum("pmk,mk->pk", np.abs(values[:, 2:]), error_u) + np.abs(demands)
         most = CANCELLATION * np.abs(demands).max(axis=1, keepdims=True)
-        figure = float((np.abs(values[:, 0] - demands) / (rounding.LIMIT * np.minimum(size, most))).max())
+        figure = float((np.abs(values[:, 0] - demands) / (precise.LIMIT * np.minimum(size, most))).max())
         about = f"d^r y/dt^r against the demands at {points} scattered points, law substituted"
         return Check(f"normal form of '{self.plant.name}'", figure, 1.0, "1", about)
 
@@ -218,15 +272,15 @@ def _weight(degree: RelativeDegree, weight: weights.Weight | None) -> Array | No
 
 def _decoupling_law(
     degree: RelativeDegree, weight: Array | None, point: OperatingPoint | None
-) -> tuple[cofactors.Solution, ca.SX]:
+) -> tuple[Solution, ca.SX]:
     D, a = degree.decoupling, degree.drift
     w = ca.vertcat(*(ca.SX.sym(f"w_{name}") for name in degree.outputs))
     if weight is None or D.size1() == D.size2():
-        return cofactors.solve(D, w - a), w
+        return solve(D, w - a), w
     u0 = ca.SX([0.0 if point is None else point[s.name] for s in degree.model.inputs])
     N = ca.mtimes(ca.SX(np.linalg.inv(weight)), D.T)
-    solved = cofactors.solve(ca.mtimes(D, N), w - a - ca.mtimes(D, u0))
-    return cofactors.Solution(u0 + ca.mtimes(N, solved.value), solved.determinant), w
+    solved = solve(ca.mtimes(D, N), w - a - ca.mtimes(D, u0))
+    return Solution(u0 + ca.mtimes(N, solved.value), solved.determinant), w
 
 
 def _derivatives(law: Linearisation, u: ca.SX) -> ca.SX:
@@ -246,9 +300,9 @@ def _derivatives(law: Linearisation, u: ca.SX) -> ca.SX:
 
 def _evaluate_law(law: Linearisation, x: Array, w: Array) -> tuple[Array, Array]:
     """Return the inputs (m, k) of the law and the bound of their rounding errors."""
-    function = ca.Function("u", [law.x, law.w], [ca.densify(law.u), rounding.error_bound(law.u)])
+    function = ca.Function("u", [law.x, law.w], [ca.densify(law.u), precise.error_bound(law.u)])
     sent, error = (np.asarray(v) for v in function(x, w))
-    box.require_finite("the law", sent, law.degree.model.states, x)
+    nearest_root.require_finite("the law", sent, law.degree.model.states, x)
     return sent, error
 
 
@@ -273,7 +327,7 @@ def linearise(acceleration: Sequence[ca.SX], inputs: Mapping[str, ca.SX], w: Seq
         if ca.depends_on(D, symbol) and not _vanishes(ca.jacobian(ca.vec(D), symbol)):
             raise ModelError(f"the model is not affine in '{name}': drop or invert the terms of higher order first")
     drift, D = (ca.substitute(e, u, ca.SX.zeros(u.numel())) for e in (q, D))
-    solved = cofactors.solve(D, ca.vcat(list(w)) - drift)
+    solved = solve(D, ca.vcat(list(w)) - drift)
     if _vanishes(solved.determinant):
         raise ModelError(
             f"the decoupling matrix of ({', '.join(inputs)}) is singular everywhere, as sampled with symbols of 0.1 to "
@@ -285,7 +339,7 @@ def linearise(acceleration: Sequence[ca.SX], inputs: Mapping[str, ca.SX], w: Seq
 def _vanishes(expression: ca.SX) -> bool:
     """Tell whether an expression is rounding error wherever it is sampled."""
     symbols, entries = ca.symvar(expression), ca.densify(ca.vec(expression))
-    at = ca.Function("at", [ca.vcat(symbols)], [entries, rounding.error_bound(entries)])
+    at = ca.Function("at", [ca.vcat(symbols)], [entries, precise.error_bound(entries)])
     points = np.random.default_rng(1).uniform(0.1, 1.0, (8, len(symbols)))
     pairs = ((np.asarray(value), np.asarray(error)) for value, error in map(at, points))
-    return all((np.abs(value) <= rounding.LIMIT * error).all() for value, error in pairs)
+    return all((np.abs(value) <= precise.LIMIT * error).all() for value, error in pairs)

@@ -20,7 +20,7 @@ from synth.analyse import discretise
 from synth.analyse.numerics import precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise.riccati import exact_eigenvalues, exact_lyapunov, weights
+from synth.synthesise.riccati import exact_lyapunov, weights
 from synth.timing import Continuous, Time
 
 NoiseInput = ArrayLike | Sequence[str] | None
@@ -129,7 +129,7 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
     """
     A = arguments.matrix("A", A)
     A, W = arguments.matrix_of_shape("A", A, len(A), len(A)), arguments.matrix_of_shape("W", W, len(A), len(A))
-    if (pole := exact_eigenvalues.unstable_pole(A, time)) is not None:
+    if (pole := exact_lyapunov.unstable_pole(A, time)) is not None:
         raise ModelError(
             f"the pole {show.number(pole)} does not decay, and the covariance is unbounded: stabilise it or take "
             "it out of the model"

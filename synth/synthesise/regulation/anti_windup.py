@@ -20,12 +20,12 @@ import numpy as np
 
 from synth import arguments, show
 from synth.analyse.numerics import precise
-from synth.analyse.numerics.equilibrate import equilibrated
+from synth.analyse.numerics.magnitude import equilibrated
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, readonly
-from synth.synthesise.regulation import internal_model, minimal_polynomial
+from synth.synthesise.regulation import internal_model, regulator_equations
 from synth.synthesise.regulation.servo import Servo
-from synth.synthesise.riccati import exact_eigenvalues, exact_lyapunov, weights
+from synth.synthesise.riccati import exact_lyapunov, weights
 from synth.timing import Continuous
 
 DEADBEAT_DECAY = 40.0  # a T: exp(-40) is below the rounding error of a pole
@@ -114,7 +114,7 @@ def _modal_gains(regulator: Servo, rate: float) -> Array:
     modes, p = regulator.model.modes, len(regulator.regulated)
 
     def compute() -> flint.arb_mat:
-        return precise.matrix(regulator.K_xi) * _copies(minimal_polynomial.modal_matrix(modes, rate), p)
+        return precise.matrix(regulator.K_xi) * _copies(regulator_equations.modal_matrix(modes, rate), p)
 
     C = precise.round_correctly(compute, "the gain on the modes")
     return C / _mode_sizes(C, [mode.order for mode in modes] * p)
@@ -136,11 +136,11 @@ def _with_excess_inputs(model: StateSpace, gain: Array, mend: str) -> AntiWindup
         inputs=(*model.inputs, *excess),
         units={**model.units, **units},
     )
-    ball = exact_eigenvalues.ball
+    ball = exact_lyapunov.ball
     with precise.precision():
         held_A = ball(model.A) - ball(gain) * ball(model.C)
-        values = exact_eigenvalues.eigenvalues(held_A)
-        pole = exact_eigenvalues.exact_unstable_pole(held_A, model.time)
+        values = exact_lyapunov.eigenvalues(held_A)
+        pole = exact_lyapunov.exact_unstable_pole(held_A, model.time)
     if pole is not None:
         raise ModelError(
             f"while its commands are held the controller has the eigenvalue {show.number(pole)}, which does not "

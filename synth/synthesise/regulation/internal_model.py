@@ -26,8 +26,8 @@ from synth.analyse.numerics import precise
 from synth.errors import SignalError
 from synth.statespace import Array, StateSpace, System, readonly
 from synth.statespace import of as model_of
-from synth.synthesise.regulation import minimal_polynomial, regulator_equations
-from synth.synthesise.regulation.minimal_polynomial import Mode
+from synth.synthesise.regulation import regulator_equations
+from synth.synthesise.regulation.regulator_equations import Mode
 from synth.timing import Continuous, Discrete, Time, common
 
 MAX_MULTIPLICITY = 100  # multiplicity of a mode: no signal grows as t^100
@@ -126,9 +126,9 @@ def exosystem(frequencies: Sequence[float] | Mapping[float, int]) -> InternalMod
 def from_matrix(S: ArrayLike) -> InternalModel:
     """Return the continuous model of an exosystem w' = S w, S (q, q) in 1/s; that of w+ = S_T w has S = log(S_T) / T.
 
-    Raises SignalError as `minimal_polynomial.roots`, and for a mode that decays.
+    Raises SignalError as `regulator_equations.roots`, and for a mode that decays.
     """
-    modes = minimal_polynomial.roots(S)
+    modes = regulator_equations.roots(S)
     for mode in modes:
         if mode.value.real < 0:
             raise SignalError(
@@ -140,7 +140,7 @@ def from_matrix(S: ArrayLike) -> InternalModel:
 
 def _continuous(modes: Sequence[Mode]) -> InternalModel:
     with precise.precision():
-        coefficients = [float(c.mid()) for c in minimal_polynomial.polynomial(modes)]
+        coefficients = [float(c.mid()) for c in regulator_equations.polynomial(modes)]
     n = len(coefficients) - 1
     Phi = np.diag(np.ones(n - 1), 1)
     Phi[-1] = -np.array(coefficients[:-1]) + 0.0
@@ -176,7 +176,7 @@ def exact(modes: Sequence[Mode], time: Time) -> flint.arb_mat:
     n = sum(mode.order for mode in modes)
     if not n:
         raise SignalError("the internal model has no modes: give one or more")
-    driven = _with_inputs(minimal_polynomial.polynomial(modes), np.zeros(n))
+    driven = _with_inputs(regulator_equations.polynomial(modes), np.zeros(n))
     if isinstance(time, Discrete):
         driven = (driven * flint.arb(time.period_s)).exp()
     return _columns(driven, n, 0, n + 1)
@@ -226,7 +226,7 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
     w = sorted(float(f) for f in frequencies if f)
 
     def compute() -> flint.arb_mat:
-        held = (_with_inputs(minimal_polynomial.polynomial(modes), column) * flint.arb(period_s)).exp()
+        held = (_with_inputs(regulator_equations.polynomial(modes), column) * flint.arb(period_s)).exp()
         c = [4 * (flint.arb(f) * flint.arb(period_s) / 2).sin() ** 2 for f in w]
         T = (
             _controllability(_columns(held, n, 0, n), _columns(held, n, n, n + 1))

@@ -1,6 +1,6 @@
 """Riccati equations in ball arithmetic: X and L are correct to the last bit of double, the same on every machine.
 
-X is the limit of doubling (module `doubling`) in high precision: X = X0 + Y, with A - B L(X0), R or S at X0 and the
+X is the limit of doubling (module `equation`) in high precision: X = X0 + Y, with A - B L(X0), R or S at X0 and the
 left side at X0 in place of A, R, Q. From X0 = 0 the doubling converges to the least cost, which need not stabilise;
 from another X0 it misses the stabilising solution only by coincidence. A step of Newton's method (Kleinman 1968, Hewer
 1971) removes its rounding errors; the linear equation Omega(Y) = -F(X) is that of `exact_lyapunov`, with A - B L for A.
@@ -28,7 +28,7 @@ import numpy as np
 from synth.analyse.numerics import precise
 from synth.errors import ModelError
 from synth.statespace import Array
-from synth.synthesise.riccati import doubling, exact_eigenvalues, exact_lyapunov
+from synth.synthesise.riccati import equation, exact_lyapunov
 from synth.synthesise.riccati.equation import Equation, Solution
 from synth.synthesise.riccati.exact_lyapunov import frobenius, symmetric
 
@@ -44,7 +44,7 @@ class _Problem:
     Q: Mat
     R: Mat
     N: Mat
-    bilinear: doubling.Bilinear
+    bilinear: equation.Bilinear
 
     def weight(self, X: Mat) -> Mat:
         """Return R or S."""
@@ -126,13 +126,13 @@ def certify(equation: Equation, X: Array) -> Solution:
         closed = problem.A - problem.B * L
         decay = exact_lyapunov.stable_map(closed, problem.bilinear)
         step = np.full_like(X, np.inf) if decay is None else _bounds(decay.gramian(defect))
-        poles = exact_eigenvalues.eigenvalues(closed.mid())
+        poles = exact_lyapunov.eigenvalues(closed.mid())
         return Solution(X, precise.rounded(L), precise.rounded(closed), _bounds(defect), step, poles)
 
 
 def _problem(e: Equation) -> _Problem:
     A, B, Q, R, N = (precise.matrix(v) for v in (e.A, e.B, e.Q, e.R, e.N))
-    return _Problem(A, B, Q, R, N, doubling.bilinear_map(e.scaled(*e.scales())))
+    return _Problem(A, B, Q, R, N, equation.bilinear_map(e.scaled(*e.scales())))
 
 
 def _cost_scale(p: _Problem) -> flint.arb:
@@ -181,7 +181,7 @@ def _rounded_solution(problem: _Problem, near: Mat) -> Solution | None:
     if rounded is None or gain is None or not (np.isfinite(rounded).all() and np.isfinite(gain).all()):
         return None
     balls, closed = precise.matrix(rounded), (problem.A - problem.B * L).mid()
-    poles = exact_eigenvalues.eigenvalues(closed)
+    poles = exact_lyapunov.eigenvalues(closed)
     defect, error = _bounds(problem.residual(balls)), _bounds(balls - X)
     return Solution(rounded, gain, precise.rounded(closed), defect, error, poles)
 

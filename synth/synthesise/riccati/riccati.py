@@ -24,8 +24,7 @@ from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.riccati import exact_riccati, modes, solvability, weights
-from synth.synthesise.riccati.balance import Balance, Certificate
-from synth.synthesise.riccati.equation import Equation, Solution
+from synth.synthesise.riccati.equation import Balance, Certificate, Equation, Solution
 from synth.timing import Continuous, Time
 
 MAX_CONDITION = 1e13  # condition above which the modes are searched: the equation is close to unsolvable

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse.loops import delayed_crossings, rational, stability_margins, transfer, zpk
+from synth.analyse.loops import crossings, stability_margins, transfer, zpk
 from synth.errors import ModelError
 from synth.statespace import Array
 
@@ -15,7 +15,7 @@ ZEROS = np.array([2j, -2j, 7.0])
 
 
 def loop(hold: float = 0.7) -> zpk.ZeroPoleGain:
-    part = rational.of_system(control.tf(np.poly(ZEROS).real * -30.0, np.poly(POLES).real))
+    part = zpk.of_system(control.tf(np.poly(ZEROS).real * -30.0, np.poly(POLES).real))
     return zpk.of_rational(part, 0.2 + hold / 2, hold)
 
 
@@ -48,7 +48,7 @@ def test_values_and_slopes_lie_within_their_bounds(start: float, width: float, h
 
 def test_crossings_are_those_of_a_fine_grid() -> None:
     model = transfer.with_delay_and_hold(control.tf(np.poly(ZEROS).real * -30.0, np.poly(POLES).real), 0.2, 0.7)
-    course = delayed_crossings.of_delayed_loop(model, rational.of_system(model.model), None, 20.0)
+    course = crossings.of_delayed_loop(model, zpk.of_system(model.model), None, 20.0)
     w = np.linspace(1e-3, 20, 2_000_001)
     L = brute(w)
     unit = w[:-1][np.diff(np.sign(np.log(np.abs(L)))) != 0]
@@ -113,7 +113,7 @@ def test_a_direct_path_of_minus_one_under_a_hold_is_well_posed() -> None:
 def test_a_loop_that_stays_close_to_gain_one_is_refused_in_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(delayed_crossings, "MOST_INTERVALS", 500)
+    monkeypatch.setattr(crossings, "MOST_INTERVALS", 500)
     flat = control.tf([1.0, 1.0 + 1e-15], [1.0, 1.0])
     with pytest.raises(ModelError, match="cannot be separated"):
         stability_margins.of_loop(transfer.with_delay_and_hold(flat * 0.9999999999999, 0.1))
@@ -122,7 +122,7 @@ def test_a_loop_that_stays_close_to_gain_one_is_refused_in_time(
 def test_lobes_of_the_hold_above_all_rates_of_the_loop_are_counted() -> None:
     """A loop with a gain of 500 at infinity crosses |L| = 1 in every lobe up to 2 * 500 / hold."""
     model = transfer.with_delay_and_hold(control.tf([500.0, -10.0], [1.0, 0.77]), 1e-3, 1e-3)
-    course = delayed_crossings.of_delayed_loop(model, rational.of_system(model.model), None, None)
+    course = crossings.of_delayed_loop(model, zpk.of_system(model.model), None, None)
     w = np.linspace(1.0, 1.2e6, 2_400_001)
     size = np.abs((500j * w - 10) / (1j * w + 0.77) * np.sinc(w * 1e-3 / (2 * np.pi)))
     assert len(course.gain_crossings) == np.count_nonzero(np.diff(np.sign(size - 1))) > 10

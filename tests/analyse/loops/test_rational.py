@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse.loops import perturbation, rational
+from synth.analyse.loops import disk, zpk
 from synth.statespace import StateSpace, of
 from synth.timing import Discrete
 
@@ -44,14 +44,14 @@ def test_a_state_space_model_is_converted_without_rounding(seed: int, n: int, sa
     rng = np.random.default_rng(seed)
     arrays = [rng.standard_normal(shape) * 10.0 ** rng.uniform(-3, 3, shape) for shape in ((n, n), (n, 1), (1, n))]
     model = of((*arrays, rng.standard_normal((1, 1)), Discrete(0.1))) if sampled else of((*arrays, [[0.5]]))
-    loop, s = rational.of_system(model), Fraction(7, 5)
+    loop, s = zpk.of_system(model), Fraction(7, 5)
     point = (1 + s) / (1 - s) if sampled else s
     assert at(loop.N, s) / at(loop.D, s) == exactly(model, point)
 
 
 def test_the_coefficients_of_a_transfer_function_stay_exact() -> None:
     """A leading coefficient of 3 does not cause a rounded division."""
-    loop = rational.of_system(control.tf([0.1, 0.7], [3.0, 0.2, 1.0 / 3]))
+    loop = zpk.of_system(control.tf([0.1, 0.7], [3.0, 0.2, 1.0 / 3]))
     s = Fraction(2)
     expected = (Fraction(0.1) * s + Fraction(0.7)) / (3 * s * s + Fraction(0.2) * s + Fraction(1.0 / 3))
     assert at(loop.N, s) / at(loop.D, s) == expected
@@ -59,22 +59,18 @@ def test_the_coefficients_of_a_transfer_function_stay_exact() -> None:
 
 def test_cancelled_modes_are_closed_loop_poles_but_not_in_the_loop() -> None:
     hidden = of((np.diag([-1.0, -5.0]), [[1.0], [0.0]], [[2.0, 1.0]], [[0.0]]))
-    loop = rational.of_system(hidden)
+    loop = zpk.of_system(hidden)
     assert [p.degree() for p in loop.lowest_terms] == [0, 1]
     assert sorted(loop.closed_loop_poles.real) == pytest.approx([-5.0, -3.0])
 
 
 def test_a_pole_at_minus_one_is_counted() -> None:
-    loop = rational.of_system(control.tf([1.0], [1.0, 0.0], 0.1))  # z + 1 = 0
-    assert (
-        np.isinf(loop.closed_loop_poles).all()
-        and not perturbation.is_stable(loop)
-        and rational.count_unstable(loop, 1.0) == 1
-    )
+    loop = zpk.of_system(control.tf([1.0], [1.0, 0.0], 0.1))  # z + 1 = 0
+    assert np.isinf(loop.closed_loop_poles).all() and not disk.is_stable(loop) and zpk.count_unstable(loop, 1.0) == 1
 
 
 @pytest.mark.parametrize("factor", [1.0, 0.3, 2.0 * I, 3.0 * np.exp(0.7j)])
 def test_unstable_poles_are_counted_as_numpy_counts_them(factor: complex) -> None:
     b, a = [2.0, -3.0, 40.0], [1.0, 2.0, 3.0, 0.5]
     count = int((np.roots(np.polyadd(a, factor * np.array(b))).real > 0).sum())
-    assert rational.count_unstable(rational.of_system(control.tf(b, a)), factor) == count
+    assert zpk.count_unstable(zpk.of_system(control.tf(b, a)), factor) == count

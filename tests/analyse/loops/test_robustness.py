@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.analyse import linearisation, operating_points
-from synth.analyse.loops import disk, equilibrium, loop, robustness, stability_margins, tolerances
+from synth.analyse import operating_points
+from synth.analyse.loops import disk, equilibrium, loop, robustness, stability_margins
 from synth.analyse.loops.robustness import Loops
 from synth.errors import NoEquilibriumError, SignalError
 from tests import levitator
@@ -42,7 +42,7 @@ def test_the_equilibrium_is_that_of_the_plant_and_the_controller(nominal: list[r
 def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[robustness.OpenLoop]) -> None:
     """x does not depend on z: its loop is the model that it was made from, with hold and delay, under its servo."""
     T = DESIGN.TIME.period_s
-    model = linearisation.linearise(DESIGN.PLANT, DESIGN.REST).channel("x", "i2")
+    model = operating_points.linearise(DESIGN.PLANT, DESIGN.REST).channel("x", "i2")
     _, x = levitator.axes()
     servo = x.law(DESIGN.TIME, DESIGN.INTERFACE).blocks[0].rounded(np.float32)
     K = loop.linearise_block(servo, {"started": 1.0}, dict.fromkeys((s.name for s in servo.inputs), 0.0))
@@ -61,7 +61,7 @@ def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[r
 
 
 def test_the_worst_loop_is_named_with_its_parameters() -> None:
-    cases = [robustness.NOMINAL, *tolerances.corners(DESIGN.PLANT, ["k", "m"])]
+    cases = [robustness.NOMINAL, *robustness.corners(DESIGN.PLANT, ["k", "m"])]
     open_loops = robustness.open_loops(loops({"mid": {"z": 0.0}}, cases), ["i2"])
     (check,) = robustness.checks(open_loops, {"modulus_margin": 0.5})
     least = min(open_loops, key=lambda o: o.margins.modulus_margin)
@@ -107,10 +107,10 @@ def test_disk_margins_are_no_larger_than_those_of_one_channel(nominal: list[robu
 
 def test_tolerances_are_taken_in_all_corners() -> None:
     plant = DESIGN.PLANT
-    corners = tolerances.corners(plant, ["K", "F0"])
+    corners = robustness.corners(plant, ["K", "F0"])
     expected = [(18.0, 13.72), (18.0, 14.28), (22.0, 13.72), (22.0, 14.28)]
     np.testing.assert_allclose([tuple(c.values()) for c in corners], expected)
-    assert tolerances.corners(plant, []) == []
+    assert robustness.corners(plant, []) == []
 
 
 def test_the_margins_are_those_of_the_opened_loop(nominal: list[robustness.OpenLoop]) -> None:

@@ -6,14 +6,14 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.analyse.numerics import box, rounding
+from synth.analyse.numerics import nearest_root, precise
 from synth.errors import ModelError
 from synth.signals import Signal
 
 X = ca.SX.sym("x", 2)
 A, B = X[0], X[1]
 P = ca.SX.sym("p", 3)
-BOX = box.Box(X, (Signal("a", "m", -1.0, 2.0), Signal("b", "s", 0.1, 1.0)), P, np.array([0.1, 0.2, 0.3]))
+BOX = nearest_root.Box(X, (Signal("a", "m", -1.0, 2.0), Signal("b", "s", 0.1, 1.0)), P, np.array([0.1, 0.2, 0.3]))
 
 ZEROS = {
     "itself": A - A,
@@ -38,20 +38,20 @@ OTHERS = {
 
 @pytest.mark.parametrize("name", ZEROS)
 def test_zeros_are_found(name: str) -> None:
-    assert rounding.vanish(ZEROS[name], BOX).all()
+    assert precise.vanish(ZEROS[name], BOX).all()
 
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_nonzero_expressions_stay(name: str) -> None:
-    assert not rounding.vanish(OTHERS[name], BOX).any()
+    assert not precise.vanish(OTHERS[name], BOX).any()
 
 
 def test_a_matrix_keeps_its_shape_and_loses_its_zeros() -> None:
     M = ca.vertcat(ca.horzcat(A, ZEROS["circle"], 0), ca.horzcat(ZEROS["binomial"], 2, B))
-    assert rounding.vanish(M, BOX).tolist() == [[False, True, True], [True, False, False]]
-    kept = rounding.without_zeros(M, BOX)
+    assert precise.vanish(M, BOX).tolist() == [[False, True, True], [True, False, False]]
+    kept = precise.without_zeros(M, BOX)
     assert kept.nnz() == 3 and kept.shape == (2, 3)
-    assert rounding.vanish(ca.SX(2, 3), BOX).all()
+    assert precise.vanish(ca.SX(2, 3), BOX).all()
 
 
 def exactly(terms: list[tuple[float, int, int]], a: float, b: float) -> Fraction:
@@ -67,8 +67,8 @@ def errors(seed: int) -> tuple[np.ndarray, np.ndarray]:
     ]
     terms += [(-c * (1 + 1e-9), i, j) for c, i, j in terms]
     expr = sum((c * A**i * B**j for c, i, j in terms), ca.SX(0))
-    points = box.scatter(BOX.signals, 20, seed)
-    values = BOX.evaluate(ca.horzcat(expr, rounding.error_bound(expr)), points)[0]
+    points = nearest_root.scatter(BOX.signals, 20, seed)
+    values = BOX.evaluate(ca.horzcat(expr, precise.error_bound(expr)), points)[0]
     exact = [exactly(terms, *point) for point in points.T.tolist()]
     off = [abs(float(Fraction(v) - e)) for v, e in zip(values[0].tolist(), exact, strict=True)]
     return np.array(off), np.finfo(float).eps * values[1]
@@ -83,8 +83,8 @@ def test_the_error_of_a_polynomial_stays_within_its_bound(seed: int) -> None:
 
 def test_a_value_that_is_not_finite_is_refused_with_its_place() -> None:
     with pytest.raises(ModelError, match=r"not finite at a = -0\.\d+ m, b = 0\.\d+ s: shrink the ranges"):
-        rounding.vanish(ca.sqrt(A), BOX)
+        precise.vanish(ca.sqrt(A), BOX)
 
 
 def test_without_signals_constants_are_zero_or_nonzero() -> None:
-    assert not rounding.vanish(ca.SX(2.0), box.Box(ca.SX(0, 1), ())).any()
+    assert not precise.vanish(ca.SX(2.0), nearest_root.Box(ca.SX(0, 1), ())).any()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synth.analyse.numerics import precise
-from synth.analyse.observability import information, isolated_zeros, worst_deviation
+from synth.analyse.observability import information, isolated_zeros
 from synth.errors import ModelError
 
 # Two ranges from beacons at (0, 0) and (a, 0) to a place (x, y): rank is lost on the line through them.
@@ -81,7 +81,7 @@ def slope_change(q: np.ndarray, half: np.ndarray) -> np.ndarray:
 
 
 def test_the_largest_deviation_is_attained_and_proved() -> None:
-    worst = worst_deviation.search(slope_deviation, slope_change, [0.0], [6.0], [4], 1e-3)
+    worst = information.search(slope_deviation, slope_change, [0.0], [6.0], [4], 1e-3)
     assert worst.attained[0] == pytest.approx(1.0, rel=1e-3) and worst.at[0, 0] == pytest.approx(np.pi, abs=0.1)
     assert worst.attained[0] <= 1.0 <= worst.bound[0] <= 1.0011 * worst.attained[0]
 

@@ -5,25 +5,25 @@ import numpy as np
 import pytest
 
 from models import maglev_stage
-from synth.analyse.numerics import box
-from synth.analyse.structure import lie
+from synth.analyse.numerics import nearest_root
+from synth.analyse.structure import relative_degree
 from synth.errors import ModelError
 from tests import textbook_plants, tolerances
 
 L, U = ca.SX.sym("level"), ca.SX.sym("flow")
 
 
-def tank(rate: ca.SX) -> lie.Affine:
-    return lie.affine(textbook_plants.with_input(ca.Function("rate", [L, U], [rate])))
+def tank(rate: ca.SX) -> relative_degree.Affine:
+    return relative_degree.affine(textbook_plants.with_input(ca.Function("rate", [L, U], [rate])))
 
 
 def test_f_and_G_are_the_plants_own() -> None:
     plant = textbook_plants.aircraft(0.3)
-    model = lie.affine(plant, ["pz"])
+    model = relative_degree.affine(plant, ["pz"])
     parts = ca.Function(
         "parts", [model.x, model.box.constants], [model.f, ca.densify(model.G), model.h, ca.densify(model.E)]
     )
-    states, inputs = box.scatter(plant.states, 10, 1), box.scatter(plant.inputs, 10, 2)
+    states, inputs = nearest_root.scatter(plant.states, 10, 1), nearest_root.scatter(plant.inputs, 10, 2)
     for x, u in zip(states.T, inputs.T, strict=True):
         f, G, h, E = (v.full() for v in parts(x, plant.values))
         np.testing.assert_allclose(f.ravel() + G @ u, plant.f(x, u, plant.values).full().ravel(), atol=1e-14)
@@ -31,7 +31,7 @@ def test_f_and_G_are_the_plants_own() -> None:
 
 
 def test_derivatives_along_f_and_G_are_finite_differences() -> None:
-    model = lie.affine(textbook_plants.ball_and_beam(0.1))
+    model = relative_degree.affine(textbook_plants.ball_and_beam(0.1))
     e = ca.sin(model.x[0]) * model.x[3] ** 2
     at = ca.Function("at", [model.x], [e, model.along_drift(e), ca.densify(model.along_inputs(e)), model.f, model.G])
     x, step = np.array([0.4, 0.3, 0.2, 0.7]), 1e-6
@@ -54,10 +54,10 @@ def test_plants_that_are_affine_after_simplification_are_accepted(rate: ca.SX) -
 
 def test_the_stage_is_not_affine_and_every_equation_is_named() -> None:
     with pytest.raises(ModelError) as caught:
-        lie.affine(maglev_stage.plant())
+        relative_degree.affine(maglev_stage.plant())
     text = str(caught.value)
     assert "the rate of 'vy' in i_d1, i_d2, i_d3, i_d4, u_x, u_z;" in text
     assert "the rate of 'wphi' in i_d1, i_d3, u_z;" in text and "'wtheta' in i_d2, i_d4, u_x." in text
     assert "'vx'" not in text and "'vz'" not in text
     with pytest.raises(ModelError, match=r"'vy' in u_x, u_z; .*Make u_x, u_z states"):
-        lie.affine(maglev_stage.plant(), held=dict.fromkeys(("i_d1", "i_d2", "i_d3", "i_d4"), 0.5))
+        relative_degree.affine(maglev_stage.plant(), held=dict.fromkeys(("i_d1", "i_d2", "i_d3", "i_d4"), 0.5))

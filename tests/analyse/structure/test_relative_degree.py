@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from designs.maglev_5dof.paper import polynomial
 from models import maglev_stage
-from synth.analyse.numerics import box
+from synth.analyse.numerics import nearest_root
 from synth.analyse.structure import relative_degree
 from synth.analyse.structure.relative_degree import RelativeDegree
 from synth.errors import ModelError
@@ -60,7 +60,7 @@ def test_textbook_plants(
     degree = relative_degree.of_plant(plant)
     degree.require_constant_rank()
     assert degree.degrees == degrees
-    for x in box.scatter(plant.states, 20, 11).T:
+    for x in nearest_root.scatter(plant.states, 20, 11).T:
         for here, there in zip(evaluate(degree, x), by_hand(x), strict=True):
             np.testing.assert_allclose(here, there, rtol=tolerances.of("double"), atol=1e-13)
 
@@ -99,8 +99,8 @@ def test_derivatives_along_simulated_flows(name: str) -> None:
         "aircraft": textbook_plants.aircraft(0.3),
     }[name]
     degree = relative_degree.of_plant(plant)
-    x = box.scatter(plant.states, 1, 3)[:, 0]
-    inputs = box.scatter(plant.inputs, 2, 4).T
+    x = nearest_root.scatter(plant.states, 1, 3)[:, 0]
+    inputs = nearest_root.scatter(plant.inputs, 2, 4).T
     D, a = evaluate(degree, x)
     for i, r in enumerate(degree.degrees):
         for u in inputs:
@@ -230,7 +230,7 @@ def test_the_simplified_stage_decouples_as_its_own_model_says() -> None:
     degree.require_constant_rank()
     model_decoupling = ca.Function("own", [ca.vcat(list(model.x.values()))], [ca.densify(model.decoupling())])
     rows = [degree.outputs.index(n) for n in ("y", "phi", "theta")]
-    for x in box.scatter(plant.states, 10, 4).T:
+    for x in nearest_root.scatter(plant.states, 10, 4).T:
         at = dict(zip((s.name for s in plant.states), x, strict=True))
         D, _ = evaluate(degree, x)
         expected = model_decoupling([at[n] for n in ("y", "phi", "theta")]).full()

@@ -6,7 +6,7 @@ import pytest
 
 from designs.maglev_5dof.paper import polynomial
 from models import maglev_stage
-from synth.analyse.numerics import box, magnitude
+from synth.analyse.numerics import magnitude, nearest_root
 from synth.analyse.structure import singularity
 from synth.errors import ModelError
 from synth.signals import Signal
@@ -58,7 +58,9 @@ def test_six_signals_are_searched() -> None:
 def bumpy() -> tuple[float, float]:
     """Return the worst condition of a matrix, and the worst of many samples."""
     matrix = of(matrix_of_determinant(1.2 + ca.sin(3 * X[0]) * X[1], X[2]) + 0.1 * X[0] * X[1])
-    return singularity.worst(matrix).condition, float(matrix.condition(box.scatter(matrix.box, 20000, 5)).max())
+    return singularity.worst(matrix).condition, float(
+        matrix.condition(nearest_root.scatter(matrix.box, 20000, 5)).max()
+    )
 
 
 def test_no_sample_is_worse() -> None:

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.blocks.estimate import glsdc_jacobian, glsdc_linearisation
+from synth.blocks.estimate import glsdc_jacobian
 from synth.blocks.estimate.glsdc_model import Phase, Unknown
 from synth.signals import Signal
 from synth.statespace import Array
@@ -47,8 +47,8 @@ def linearised(form: str, by: tuple[float, float], step: float = 0.2) -> tuple[A
     of = glsdc_jacobian.model(h, np.eye(3), CHANNELS, (), unknowns, phases, ())
     assert (of.phase_changes is None) == (form == "bent")
     start, measured = [ca.SX(0.2), ca.SX(-1.3)], [ca.SX(v) for v in (0.5, -0.2, 0.9)]
-    prediction = glsdc_linearisation.predict(of, start, measured, ca.SX(0, 1), [])
-    result = glsdc_linearisation.linearise(of, prediction, [ca.SX(v) for v in by])
+    prediction = glsdc_jacobian.predict(of, start, measured, ca.SX(0, 1), [])
+    result = glsdc_jacobian.linearise(of, prediction, [ca.SX(v) for v in by])
     return np.array([float(ca.evalf(e)) for e in result.residuals]), np.array(
         [[float(ca.evalf(v)) for v in row] for row in result.rows]
     )

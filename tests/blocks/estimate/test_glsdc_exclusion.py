@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.blocks.estimate import glsdc_exclusion, glsdc_jacobian, glsdc_linearisation, glsdc_monitor
+from synth.blocks.estimate import glsdc_integrity, glsdc_jacobian, glsdc_monitor
 from synth.blocks.estimate.glsdc_integrity import Integrity
 from synth.blocks.estimate.glsdc_model import Implicit, Unknown
 from synth.blocks.estimate.glsdc_solution import Iteration, Problem
@@ -38,11 +38,11 @@ def solution(number: int, corrections: int, defect: float = 0.0) -> tuple[Array,
     monitor = glsdc_monitor.monitor(of, Integrity({"x": 1.0}, exclude=True, groups=GROUPS))
     weights = glsdc_monitor.weights(monitor, {"excluded": excluded})
     start = [ca.SX(0.1), ca.SX(1.2)]
-    prediction = glsdc_linearisation.predict(of, start, [ca.SX(float(v)) for v in Y], ca.SX(0, 1), [])
+    prediction = glsdc_jacobian.predict(of, start, [ca.SX(float(v)) for v in Y], ca.SX(0, 1), [])
     problem = Problem(of, prediction, [ca.SX(0), ca.SX(0.2)], weights)
     axes = [{j: ca.SX(1)} for j in range(6)]
     iteration = Iteration(corrections, held_jacobian=True)
-    result, _ = glsdc_exclusion.solve(problem, iteration, monitor.groups, excluded, axes)
+    result, _ = glsdc_integrity.solve(problem, iteration, monitor.groups, excluded, axes)
     normal = result.last.normal
     if defect:
         normal = replace(normal, removal=replace(normal.removal, gains=[g + defect for g in normal.removal.gains]))
@@ -69,5 +69,5 @@ def test_the_rank_update_is_the_solution_without_the_group(number: int, correcti
 @pytest.mark.parametrize("count", range(1, 9))
 def test_a_value_is_chosen_by_its_number(count: int) -> None:
     n, values = ca.SX.sym("n"), [ca.SX(float(10 + k)) for k in range(1, count + 1)]
-    chosen = ca.Function("chosen", [n], [glsdc_exclusion.choose(n, values)])
+    chosen = ca.Function("chosen", [n], [glsdc_integrity.choose(n, values)])
     assert [float(chosen(k)) for k in range(count + 1)] == [11.0, *(10.0 + k for k in range(1, count + 1))]

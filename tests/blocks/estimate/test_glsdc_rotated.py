@@ -5,7 +5,7 @@ from math import pi
 import casadi as ca
 import numpy as np
 
-from synth.blocks.estimate import glsdc_jacobian, glsdc_linearisation, phasor
+from synth.blocks.estimate import glsdc_jacobian, phasor
 from synth.blocks.estimate.glsdc_model import Implicit, RotatedMeasurement, Unknown
 from synth.signals import Signal
 from synth.statespace import Array
@@ -46,7 +46,7 @@ def test_a_phasor_moves_without_a_difference_of_cosines() -> None:
     """In single precision a cosine near 1 has no digits of its small changes left."""
     start, by = phasor.Phasor(ca.SX(1), ca.SX(0)), ca.SX.sym("by")
     unknown = Unknown(Signal("yaw", "rad", -pi, pi), 1.0, 0.5, periodic=True)
-    chord = glsdc_linearisation._chord(start, unknown, by, by)
+    chord = glsdc_jacobian._chord(start, unknown, by, by)
     for b in (1e-9, 1e-4, 0.1):
         exact = -2 * np.sin(b / 2) ** 2, np.sin(b)
         computed = [float(ca.Function("f", [by], [v])(b)) for v in (chord.cosine, chord.sine)]

@@ -7,7 +7,7 @@ import pytest
 
 from synth.block import Block
 from synth.blocks.faults import landing
-from synth.blocks.guard import bad_samples
+from synth.blocks.guard import safety
 from synth.blocks.guard.safety import GuardedInput, guard
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
@@ -56,5 +56,5 @@ def test_a_landing_begins_by_the_same_count() -> None:
 
 
 def test_the_rule_is_stated() -> None:
-    assert bad_samples.rule(5, 0) == "5 samples in a row"
-    assert bad_samples.rule(5, 4) == "5 samples in a row, or more than 1 in 5 for long"
+    assert safety.rule(5, 0) == "5 samples in a row"
+    assert safety.rule(5, 4) == "5 samples in a row, or more than 1 in 5 for long"

@@ -8,7 +8,7 @@ import pytest
 
 from synth import plant as plants
 from synth import stage
-from synth.analyse import linearisation, operating_points
+from synth.analyse import operating_points
 from synth.analyse.loops import loop, robustness
 from synth.app import standard_tasks
 from synth.blocks.laws import axis, axis_regulator
@@ -45,7 +45,7 @@ def mass(stiffness: float = 0.0) -> StateSpace:
         [spring],
         lambda x, u, p: ({"q": x["v"], "v": u["f"] - p["k"] * x["q"]}, {"q": x["q"]}),
     )
-    return linearisation.linearise(body, operating_points.trim(body, {}, []))
+    return operating_points.linearise(body, operating_points.trim(body, {}, []))
 
 
 def default_axis(model: Any = None, **changed: Any) -> axis.ServoLaw:

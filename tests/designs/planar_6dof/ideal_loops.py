@@ -6,7 +6,7 @@ import casadi as ca
 
 from designs.planar_6dof import allocation, filtering, vertical
 from models import planar_stage
-from synth.analyse import linearisation, operating_points
+from synth.analyse import operating_points
 from synth.analyse.loops import loop, stability_margins
 from synth.block import Block, Exprs, Step, build, clip
 from synth.composition import compose
@@ -71,7 +71,7 @@ def of_axis(law: Sequence[Block], time: Discrete, axis: str, filtered: bool, del
     block = compose("opened", parts, inputs=inputs, outputs=[*ACTUATORS, f"{signal}_out"])
     controller = loop.linearise_block(block, {}, dict.fromkeys(inputs, 0.0) | dict.fromkeys(ready(parts), 1.0))
     point = operating_points.trim(PLANT, dict.fromkeys(planar_stage.AXES, 0.0), [])
-    return loop.open_loop(linearisation.linearise(PLANT, point), controller, signal, sensors, ACTUATORS, delay)
+    return loop.open_loop(operating_points.linearise(PLANT, point), controller, signal, sensors, ACTUATORS, delay)
 
 
 def margins_of(

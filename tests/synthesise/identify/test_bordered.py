@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from synth.synthesise.identify import bordered
+from synth.synthesise.identify import least_squares
 from tests import tolerances
 
 
-def case(f: int) -> tuple[bordered.Jacobian, np.ndarray, np.ndarray]:
+def case(f: int) -> tuple[least_squares.Jacobian, np.ndarray, np.ndarray]:
     """Return a Jacobian of 3 groups of 5 rows and 2 outputs, the same dense, and residuals."""
     rng = np.random.default_rng(f)
-    J = bordered.Jacobian(rng.normal(size=(15, 2, 4)) * [1, 1e3, 1e-3, 1], rng.normal(size=(3, 5, 2, f)))
+    J = least_squares.Jacobian(rng.normal(size=(15, 2, 4)) * [1, 1e3, 1e-3, 1], rng.normal(size=(3, 5, 2, f)))
     dense = np.zeros((30, 4 + 3 * f))
     dense[:, :4] = J.shared.reshape(30, 4)
     for g in range(3):
@@ -25,7 +25,7 @@ def test_damped_steps_are_those_of_the_dense_equations(f: int, damping: float) -
     size = np.linalg.norm(dense, axis=0)
     M = dense / size
     expected = np.linalg.solve(M.T @ M + damping * np.eye(len(size)), M.T @ e) / size
-    shared, apart = bordered.factors(J).step(e, damping, np.ones(4, dtype=bool))
+    shared, apart = least_squares.factorise(J).step(e, damping, np.ones(4, dtype=bool))
     np.testing.assert_allclose(np.concatenate([shared, apart.ravel()]), expected, rtol=1e-9)
     assert J.parameters == len(size)
 
@@ -33,7 +33,7 @@ def test_damped_steps_are_those_of_the_dense_equations(f: int, damping: float) -
 @pytest.mark.parametrize("f", [0, 2])
 def test_what_is_left_is_outside_the_range(f: int) -> None:
     J, dense, e = case(f)
-    parts = bordered.factors(J)
+    parts = least_squares.factorise(J)
     M = dense / np.linalg.norm(dense, axis=0)
     expected = e - M @ np.linalg.lstsq(M, e, rcond=None)[0]
     np.testing.assert_allclose(parts.outside_range(e), expected, atol=tolerances.of("double"))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from synth.synthesise.identify import identifiability
+from synth.synthesise.identify import estimates
 
 
 def combinations(direction: list[float], near: list[float] | None) -> list[str]:
@@ -10,9 +10,7 @@ def combinations(direction: list[float], near: list[float] | None) -> list[str]:
     sigma, V = np.linalg.svd(np.array([[direction[1], -direction[0]]]) * [1.0, 1.0])[1:]
     size = np.abs([direction[1], direction[0]])
     _, sigma, V = np.linalg.svd(np.array([[direction[1], -direction[0]], [0.0, 0.0]]) / size)
-    return identifiability.undetermined_combinations(
-        sigma, V.T, size, ("a", "b"), None if near is None else np.array(near)
-    )
+    return estimates.undetermined_combinations(sigma, V.T, size, ("a", "b"), None if near is None else np.array(near))
 
 
 def test_different_units_are_stated_as_proportions() -> None:

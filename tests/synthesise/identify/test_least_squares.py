@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from synth.errors import ModelError, SignalError
 from synth.synthesise.identify import least_squares
-from synth.synthesise.identify.estimate import Estimate
+from synth.synthesise.identify.estimates import Estimate
 from tests import tolerances
 
 NAMES = ("k", "c", "m", "d", "e")

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from synth.errors import DesignError, SignalError
-from synth.synthesise.identify import log_file
+from synth.synthesise.identify import logs
 
 WANTED = {"X": "m", "V_ax": "V"}
 GOOD = "# scan of May\nX [mm], turn[deg], V_ax [mV]\n\n12.7, 180, -3.5e0\r\n+.5,0,7\n"
 
 
 def test_units_become_si_to_the_last_bit() -> None:
-    log = log_file.parse(GOOD, WANTED)
+    log = logs.parse(GOOD, WANTED)
     assert log.samples["X"].tolist() == [0.0127, 0.0005]
     assert log.samples["V_ax"].tolist() == [-0.0035, 0.007]
     assert log.samples["turn"].tolist() == [np.pi, 0.0]
@@ -47,18 +47,18 @@ def test_units_become_si_to_the_last_bit() -> None:
 )
 def test_what_is_malformed_is_refused_with_its_line(text: str, message: str) -> None:
     with pytest.raises(SignalError) as refused:
-        log_file.parse(text, WANTED, "scan.csv")
+        logs.parse(text, WANTED, "scan.csv")
     assert f"scan.csv, {message}" in str(refused.value)
 
 
 def test_files(tmp_path: Path) -> None:
     file = tmp_path / "scan.csv"
     with pytest.raises(DesignError, match=r"scan\.csv cannot be read: No such file"):
-        log_file.read(file, WANTED)
+        logs.read(file, WANTED)
     with pytest.raises(DesignError, match="cannot be read"):
-        log_file.read(tmp_path, WANTED)
+        logs.read(tmp_path, WANTED)
     file.write_bytes(GOOD.encode("utf-8-sig"))
-    assert len(log_file.read(file, WANTED)) == len(log_file.read(str(file), WANTED)) == 2
+    assert len(logs.read(file, WANTED)) == len(logs.read(str(file), WANTED)) == 2
     file.write_bytes(b"X [m], V_ax [V]\n1, 2\n\xff\xfe, 3\n")
     with pytest.raises(SignalError, match=r"scan\.csv, line 3: a byte is not UTF-8"):
-        log_file.read(file, WANTED)
+        logs.read(file, WANTED)

@@ -7,7 +7,7 @@ import scipy.integrate
 
 from synth.plant import Plant, build
 from synth.signals import Parameter, Signal
-from synth.synthesise.identify import bordered, trajectory
+from synth.synthesise.identify import least_squares, trajectory
 from synth.synthesise.identify.logs import Log
 from tests import tolerances
 
@@ -59,7 +59,7 @@ def test_derivatives_are_those_of_differences(span: int | None, free: tuple[str,
     problem = trajectory.problem(pendulum(), log(), ("c", "w"), ("s", "x"), span, {}, free, 2)
     theta = np.concatenate([[0.3, 2.5], problem.starts.ravel()])
     g, J = problem.simulate(theta)
-    J = dense(J) if isinstance(J, bordered.Jacobian) else J
+    J = dense(J) if isinstance(J, least_squares.Jacobian) else J
     assert g.shape == problem.y.shape and J.shape == (*g.shape, len(theta))
     for k in range(len(theta)):
         step = np.zeros(len(theta))
@@ -68,7 +68,7 @@ def test_derivatives_are_those_of_differences(span: int | None, free: tuple[str,
         np.testing.assert_allclose(J[:, :, k], difference, atol=1e-7)
 
 
-def dense(J: bordered.Jacobian) -> np.ndarray:
+def dense(J: least_squares.Jacobian) -> np.ndarray:
     """Return a Jacobian (N, p, k + s f) with all its zeros."""
     groups, length, p, f = J.group.shape
     blocks = np.zeros((groups, length, p, groups, f))

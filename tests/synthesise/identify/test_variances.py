@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from synth.synthesise.identify import bordered, least_squares, variances
+from synth.synthesise.identify import least_squares
 
 TRUTH = np.array([1.0, 2.0, 3.0])
 NAMES = ("a", "b", "c")
@@ -38,7 +38,7 @@ def kenward_roger(X: np.ndarray, s2: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return C + 2 * C @ more @ C, freedoms
 
 
-def dense(J: bordered.Jacobian) -> np.ndarray:
+def dense(J: least_squares.Jacobian) -> np.ndarray:
     """Return a Jacobian (N p, k + s f) with all its zeros."""
     groups, length, p, f = J.group.shape
     blocks = np.zeros((groups, length * p, groups, f))
@@ -49,18 +49,18 @@ def dense(J: bordered.Jacobian) -> np.ndarray:
 @pytest.mark.parametrize("f", [0, 2])
 def test_noise_and_confidence_are_those_of_the_restricted_likelihood(f: int) -> None:
     rng = np.random.default_rng(4)
-    J = bordered.Jacobian(rng.normal(size=(20, 2, 3)), rng.normal(size=(4, 5, 2, f)))
+    J = least_squares.Jacobian(rng.normal(size=(20, 2, 3)), rng.normal(size=(4, 5, 2, f)))
     X = dense(J)
     y = X @ rng.normal(size=X.shape[1]) + (rng.normal(size=(20, 2)) * [0.3, 2.0]).ravel()
     s = np.ones(2)
     for _ in range(200):
         solution = least_squares.solve_with_deviations(J, y.reshape(20, 2), s, NAMES)
-        s = variances.deviations(solution.e, solution.U, solution.Q)
+        s = least_squares.noise_deviations(solution.e, solution.U, solution.Q)
     expected = scipy.optimize.minimize(
         lambda v: restricted_likelihood(X, y, v), np.zeros(2), method="BFGS", options={"gtol": 1e-8}
     )
     np.testing.assert_allclose(s**2, np.exp(expected.x), rtol=1e-4)
-    known = variances.confidence(solution.U, solution.Q, solution.root)
+    known = least_squares.noise_confidence(solution.U, solution.Q, solution.root)
     covariance, freedoms = kenward_roger(X, s**2)
     np.testing.assert_allclose(known.covariance, covariance[:3, :3], rtol=1e-8)
     np.testing.assert_allclose(known.degrees_of_freedom, freedoms[:3], rtol=1e-8)

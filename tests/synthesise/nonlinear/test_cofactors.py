@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.synthesise.nonlinear import cofactors
+from synth.synthesise.nonlinear import feedback_linearisation
 from tests import tolerances
 
 
@@ -12,7 +12,7 @@ from tests import tolerances
 def test_solutions_and_determinants(n: int) -> None:
     rng = np.random.default_rng(n)
     M, b = ca.SX.sym("M", n, n), ca.SX.sym("b", n, 2)
-    solution = cofactors.solve(M, b)
+    solution = feedback_linearisation.solve(M, b)
     f = ca.Function("f", [M, b], [solution.value, solution.determinant])
     for _ in range(5):
         values = rng.normal(size=(n, n)) + 3 * np.eye(n)[rng.permutation(n)], rng.normal(size=(n, 2))
@@ -26,6 +26,6 @@ def test_zeros_of_the_matrix_vanish_from_the_solution() -> None:
     M = ca.SX(3, 3)
     M[0, 0], M[1, 1], M[2, 2], M[0, 2] = (ca.SX.sym(name) for name in "abcd")
     b = ca.SX.sym("b", 3)
-    solution = cofactors.solve(M, b).value
+    solution = feedback_linearisation.solve(M, b).value
     assert not ca.depends_on(solution[1], ca.vertcat(b[0], b[2])) and not ca.depends_on(solution[2], b[:2])
     assert ca.depends_on(solution[0], b[2]) and not ca.depends_on(solution[0], b[1])

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 from models import maglev_stage
 from synth.analyse import operating_points
-from synth.analyse.numerics import box, rounding
+from synth.analyse.numerics import nearest_root, precise
 from synth.analyse.structure import singularity
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant, Symbols
@@ -128,7 +128,7 @@ def test_a_degree_read_too_low_for_want_of_a_bound_on_rounding_does_not_pass(mon
     right = feedback_linearisation.of_plant(plant)
     assert right.degree.degrees == (3,) and right.check().passed
     with monkeypatch.context() as planted:
-        planted.setattr(rounding, "LIMIT", 0.0)
+        planted.setattr(precise, "LIMIT", 0.0)
         planted.setattr(singularity, "CONDITION_LIMIT", np.inf)
         with pytest.raises(ModelError, match="rounding error of constants"):
             feedback_linearisation.of_plant(plant)
@@ -273,7 +273,7 @@ def test_an_input_that_enters_by_a_folded_rounding_error_is_refused() -> None:
 def test_the_aircrafts_law_by_hand() -> None:
     """[T, M] = D^-1 (w - [0, -1])."""
     law = lawful("aircraft")
-    for x in box.scatter(law.plant.states, 10, 3).T:
+    for x in nearest_root.scatter(law.plant.states, 10, 3).T:
         c, s = np.cos(x[4]), np.sin(x[4])
         D = np.array([[-s, 0.3 * c], [c, 0.3 * s]])
         sent = law.law(x, [0.4, -0.7]).full().ravel()

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from synth.statespace import StateSpace, System, of
 from synth.synthesise.feedback import pole_placement
-from synth.synthesise.observers import kalman, lqg, reduced_observer, reduced_partition
+from synth.synthesise.observers import kalman, lqg, reduced_observer
 from synth.synthesise.observers.reduced_observer import ReducedObserver
 from synth.timing import Continuous, Time
 
@@ -50,6 +50,6 @@ def full_order_observer(plant: StateSpace, L: ArrayLike) -> StateSpace:
 
 def by_poles(system: System, measured: Sequence[str] | str, poles: Sequence[complex]) -> ReducedObserver:
     """Return the reduced-order observer whose error has these poles, by state feedback of the dual pair."""
-    part = reduced_partition.of_model(system, measured)
+    part = reduced_observer.of_model(system, measured)
     dual = part.A22.T, part.A12.T, np.eye(len(part.A22)), np.zeros(part.A12.T.shape), part.model.time
     return reduced_observer.from_gain(system, measured, -pole_placement.place(dual, poles).K.T)

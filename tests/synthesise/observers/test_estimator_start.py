@@ -14,7 +14,7 @@ from synth.execute import host
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
-from synth.synthesise.observers import estimator_start, kalman, lqg, square_root_kalman
+from synth.synthesise.observers import kalman, lqg, square_root_kalman
 from synth.synthesise.regulation import optimal_servo, servo
 from synth.timing import Continuous
 from tests import tolerances
@@ -83,7 +83,7 @@ def test_the_first_estimate_explains_the_first_measurement(form: str) -> None:
     model = getattr(FILTER, form)()
     x = np.array([2e-3, 0.0, 0.1, 0.0])
     u, states = measurements(x)
-    start = estimator_start.from_measurement(model, FILTER.model)
+    start = lqg.from_measurement(model, FILTER.model)
     x_0 = np.linalg.pinv(FILTER.model.C) @ u[0, 1:]
     np.testing.assert_allclose(x_0, x, atol=tolerances.of("double"))
     expected = recursion(model, u, x_0)
@@ -96,9 +96,7 @@ def test_the_first_estimate_explains_the_first_measurement(form: str) -> None:
 
 def test_a_block_without_a_start_has_no_further_state() -> None:
     model = FILTER.current()
-    plain, with_start = (
-        estimator_block(model, s) for s in (None, estimator_start.from_measurement(model, FILTER.model))
-    )
+    plain, with_start = (estimator_block(model, s) for s in (None, lqg.from_measurement(model, FILTER.model)))
     assert [s.name for s in plain.states] == list(model.states)
     assert [s.name for s in with_start.states] == [*model.states, "started"]
     assert with_start.states[-1].integer
@@ -107,14 +105,12 @@ def test_a_block_without_a_start_has_no_further_state() -> None:
 def test_other_states_start_at_given_values_and_trusted_ones_stay() -> None:
     model = FILTER.current()
     values = {"speed": 0.3, "tilt": 0.1, "gap": 5e-3}
-    start = estimator_start.from_measurement(model, FILTER.model, values=values)
+    start = lqg.from_measurement(model, FILTER.model, values=values)
     y = np.array([1e-3, 4e-3])
     first = start.a + start.G @ [0.0, *y]
     np.testing.assert_allclose(FILTER.model.C @ first, y, rtol=0, atol=tolerances.of("double"))
     assert first[[1, 3]].tolist() == [0.3, 0.0]
-    trusted = estimator_start.from_measurement(
-        model, FILTER.model, ["near"], values=values, deviations={"tilt": 0.0, "speed": 3.0}
-    )
+    trusted = lqg.from_measurement(model, FILTER.model, ["near"], values=values, deviations={"tilt": 0.0, "speed": 3.0})
     first = trusted.a + trusted.G @ [0.0, *y]
     assert first[2] == pytest.approx(0.1, abs=0) and not trusted.G[:, 2].any()
     assert first[0] == pytest.approx(1e-3 - 0.2 * 0.1)
@@ -124,7 +120,7 @@ def test_it_is_the_limit_of_the_first_update_of_a_kalman_filter() -> None:
     """Of one output that adds up a position and a tilt: the less certain one moves more."""
     model, d = FILTER.model, np.array([1e-3, 1.0, 3e-2, 1.0])
     values = {"gap": 1e-3, "tilt": -0.01, "spin": 2.0}
-    start = estimator_start.from_measurement(
+    start = lqg.from_measurement(
         FILTER.current(), model, ["near"], values=values, deviations=dict(zip(model.states, d, strict=True))
     )
     x_0 = [values.get(x, 0.0) for x in model.states]
@@ -136,12 +132,12 @@ def test_it_is_the_limit_of_the_first_update_of_a_kalman_filter() -> None:
 def test_a_direct_term_is_taken_off() -> None:
     model = replace(FILTER.model, D=np.array([[0.5], [0.25]]))
     observer = replace(FILTER, model=model).predictor()
-    start = estimator_start.from_measurement(observer, model)
+    start = lqg.from_measurement(observer, model)
     y, u = np.array([1e-3, 4e-3]), 0.7
     np.testing.assert_allclose(model.C @ (start.a + start.G @ [u, *y]) + model.D[:, 0] * u, y, atol=1e-15)
     blind = observer.select(observer.outputs, ("near", "far"))
     with pytest.raises(SignalError, match="depend directly on 'force', which the estimator does not take"):
-        estimator_start.from_measurement(blind, model)
+        lqg.from_measurement(blind, model)
 
 
 def test_a_servo_regulator_starts_with_its_estimates() -> None:
@@ -152,7 +148,7 @@ def test_a_servo_regulator_starts_with_its_estimates() -> None:
     filtered = kalman.kalmd(axis, np.diag([0, 1.0]), [1e-10], T)
     for form in (filtered.current(), filtered.predictor()):
         controller = servo.with_estimator(regulator, form).controller
-        start = estimator_start.from_measurement(controller, regulator.plant, values={"speed": 0.2})
+        start = lqg.from_measurement(controller, regulator.plant, values={"speed": 0.2})
         x = start.a + start.G @ [1e-3 if name == "gap" else 0.0 for name in controller.inputs]
         assert x.tolist() == [0.0, 1e-3, 0.2]
         u = [1e-3 if name == "gap" else 0.0 for name in controller.inputs]
@@ -166,14 +162,14 @@ def test_a_compensator_starts_with_its_estimates() -> None:
     gain = lqr.lqrd(lqr.with_integrators(axis, ["gap"]), [1e4, 1e2, 1e3], [1.0], T)
     filtered = kalman.kalmd(axis, np.diag([0, 1.0]), [1e-10], T)
     compensator = lqg.current(gain, filtered).compensator
-    start = estimator_start.from_measurement(compensator, filtered.model)
+    start = lqg.from_measurement(compensator, filtered.model)
     assert compensator.states == ("gap_predicted", "speed_predicted", "gap_integral")
     assert start.G.tolist() == [[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]
 
 
 def test_the_start_is_limited_to_the_ranges() -> None:
     model = FILTER.current()
-    start = estimator_start.from_measurement(model, FILTER.model)
+    start = lqg.from_measurement(model, FILTER.model)
     u = np.array([[0.0, 0.9, -0.9]] * 2)  # a tilt of 3.6 rad, beyond its range of 2
     result = by_casadi(estimator_block(model, start), u)
     x = np.clip(start.a + start.G @ u[0], -np.array([1, 100, 2, 100]), [1, 100, 2, 100])

@@ -14,7 +14,7 @@ from synth.analyse.loops import interconnect
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
-from synth.synthesise.observers import reduced_compensator, reduced_observer
+from synth.synthesise.observers import reduced_observer
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 from tests.synthesise.observers.models import by_poles
@@ -87,7 +87,7 @@ def test_the_published_gain_is_lqrd_of_the_corrected_weights() -> None:
 def test_the_planar_loop_separates_and_is_the_one_of_33(p: float) -> None:
     L = speed_gain(p)
     observer = reduced_observer.from_gain(HELD, (*POSITIONS, *INTEGRALS), L)
-    compensator = reduced_compensator.compensator(observer, -K49)
+    compensator = reduced_observer.compensator(observer, -K49)
     np.testing.assert_allclose(
         compensator.loop.A, printed_matrix(L, K49), rtol=1e-10, atol=1e-10 * np.abs(compensator.loop.A).max()
     )
@@ -145,12 +145,12 @@ def test_integrals_that_the_compensator_computes_itself() -> None:
     observer = by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
     computed = interconnect.integrals(PLAIN, dict(zip(INTEGRALS, POSITIONS, strict=True)))
     np.testing.assert_array_equal(computed.B, T * np.eye(3))
-    plant = reduced_compensator.augmented(observer, computed)
+    plant = reduced_observer.augmented(observer, computed)
     assert plant.states == (*POSITIONS, *SPEEDS, *INTEGRALS)
     assert [plant.unit(z) for z in INTEGRALS] == ["m s", "m s", "rad s"]
     order = [HELD.states.index(name) for name in plant.states]
     gain = lqr.lqr(plant, Q[np.ix_(order, order)], np.eye(3))
-    compensator = reduced_compensator.compensator(observer, gain.K, computed)
+    compensator = reduced_observer.compensator(observer, gain.K, computed)
     both = np.concatenate([np.linalg.eigvals(plant.A + plant.B @ gain.K), [0.5] * 3])
     assert farthest(compensator.poles, both) < tolerances.of("settled")
     assert compensator.separation < tolerances.of("double")
@@ -164,7 +164,7 @@ def test_integrals_that_the_compensator_computes_itself() -> None:
 def test_the_loop_runs_as_plant_and_compensator_do_step_by_step() -> None:
     """Written out without matrices of the loop: u acts on the y of its own sample."""
     observer = by_poles(HELD, (*POSITIONS, *INTEGRALS), [0.0, 0.0, 0.0])
-    compensator = reduced_compensator.compensator(observer, -K49)
+    compensator = reduced_observer.compensator(observer, -K49)
     L, x = observer.L, np.arange(1, 10) * 1e-5
     x3, w = np.zeros(3), np.concatenate([x, np.zeros(3)])
     for k in range(60):
@@ -191,22 +191,22 @@ def test_a_direct_path_is_taken_off_at_the_same_sample(seed: int) -> None:
     model = direct(seed)
     observer = by_poles(model, ("a", "b"), [0.2, 0.3])
     z = StateSpace([[0.5]], [[1, 2, 3]], [[1]], [[0, 0, 0]], ("z",), ("b", "r_estimate", "g"), ("z",), Discrete(0.1))
-    plant = reduced_compensator.augmented(observer, z)
+    plant = reduced_observer.augmented(observer, z)
     np.testing.assert_allclose(plant.A[4, :4], model.C[1] + 2 * np.eye(4)[2], rtol=tolerances.of("double"))
     np.testing.assert_allclose(plant.B[4], model.D[1] + [0, 3], rtol=tolerances.of("double"))
     gain = lqr.lqr(plant, np.eye(5), np.eye(2))
-    compensator = reduced_compensator.compensator(observer, gain.K, z)
+    compensator = reduced_observer.compensator(observer, gain.K, z)
     assert compensator.separation < tolerances.of("double")
     both = np.concatenate([np.linalg.eigvals(plant.A + plant.B @ gain.K), [0.2, 0.3]])
     assert farthest(compensator.poles, both) < tolerances.of("placed")
     forgotten = replace(observer, partition=replace(observer.partition, D=0 * observer.partition.D))
-    assert reduced_compensator.compensator(forgotten, gain.K, z).separation > 1e-3
+    assert reduced_observer.compensator(forgotten, gain.K, z).separation > 1e-3
 
 
 def test_the_loop_answers_disturbances_and_noise_as_its_parts_say() -> None:
     """y = P (u + d), u = C (y + n) with P and C the responses of plant and compensator."""
     observer = by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
-    compensator = reduced_compensator.compensator(observer, lqr.lqr(PLAIN, np.eye(6), np.eye(3)).K)
+    compensator = reduced_observer.compensator(observer, lqr.lqr(PLAIN, np.eye(6), np.eye(3)).K)
     z = np.exp(1j * np.array([0.01, 0.3, 2.0]))
     P, C, one = PLAIN.response(z), compensator.model.response(z), np.eye(3)
     loop = compensator.loop.response(z)
@@ -220,8 +220,8 @@ def test_the_loop_answers_disturbances_and_noise_as_its_parts_say() -> None:
 def test_a_continuous_loop_separates() -> None:
     observer = by_poles(planar(integrals=False), POSITIONS, [-300, -300, -400])
     computed = interconnect.integrals(planar(integrals=False), {"z1": "x"})
-    gain = lqr.lqr(reduced_compensator.augmented(observer, computed), np.diag([1e6, 1e6, 1e6, 1, 1, 1, 1e8]), np.eye(3))
-    compensator = reduced_compensator.compensator(observer, gain.K, computed)
+    gain = lqr.lqr(reduced_observer.augmented(observer, computed), np.diag([1e6, 1e6, 1e6, 1, 1, 1, 1e8]), np.eye(3))
+    compensator = reduced_observer.compensator(observer, gain.K, computed)
     assert compensator.separation < tolerances.of("double")
     both = np.concatenate([gain.poles, [-300, -300, -400]])
     assert farthest(compensator.poles, both) < tolerances.of("placed") * 400
@@ -235,7 +235,7 @@ def test_a_sample_of_delay_belongs_to_the_plant() -> None:
         by_poles(late, POSITIONS, [0.1, 0.1, 0.1, 0.2, 0.2, 0.2]),
         by_poles(late, known, [0.2, 0.2, 0.2]),
     ):
-        assert reduced_compensator.compensator(observer, gain.K).separation < tolerances.of("double")
+        assert reduced_observer.compensator(observer, gain.K).separation < tolerances.of("double")
 
 
 def test_an_input_that_acts_on_itself_at_once_without_a_solution() -> None:
@@ -243,21 +243,21 @@ def test_an_input_that_acts_on_itself_at_once_without_a_solution() -> None:
     A, B, C = [[0.5, 1], [0, 0.5]], [[0.1], [0]], [[1, 0]]
     observer = by_poles((A, B, C, [[1]], 0.1), "y1", [0.2])
     with pytest.raises(ModelError, match="the algebraic loop of u through D and K has no solution"):
-        reduced_compensator.compensator(observer, [[-1, 0]])
+        reduced_observer.compensator(observer, [[-1, 0]])
     without = by_poles((A, B, C, [[0]], 0.1), "y1", [0.2])
-    assert reduced_compensator.compensator(without, [[-1, 0]]).separation < tolerances.of("double")
+    assert reduced_observer.compensator(without, [[-1, 0]]).separation < tolerances.of("double")
 
 
 def test_a_model_without_inputs_has_an_observer_and_nothing_to_feed_back() -> None:
     plant = ([[0.5, 1], [0, 0.5]], np.zeros((2, 0)), [[1, 0]], np.zeros((1, 0)), 0.1)
-    compensator = reduced_compensator.compensator(by_poles(plant, "y1", [0.1]), np.zeros((0, 2)))
+    compensator = reduced_observer.compensator(by_poles(plant, "y1", [0.1]), np.zeros((0, 2)))
     assert compensator.model.outputs == ()
     np.testing.assert_allclose(np.sort(compensator.poles.real), [0.1, 0.5, 0.5])
 
 
 def test_the_result_prints_itself() -> None:
     observer = reduced_observer.from_gain(HELD, (*POSITIONS, *INTEGRALS), speed_gain(0.7))
-    text = repr(reduced_compensator.compensator(observer, -K49))
+    text = repr(reduced_observer.compensator(observer, -K49))
     assert "Poles of the observer: 0.7, 0.7, 0.7" in text
     assert "The loop separates into them to" in text
     assert "next d_x3" in text

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from synth.analyse import discretise
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace
-from synth.synthesise.observers import reduced_observer, reduced_partition
+from synth.synthesise.observers import reduced_observer
 from synth.synthesise.observers.reduced_observer import ReducedObserver
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
@@ -131,7 +131,7 @@ def test_coordinates_are_as_well_conditioned_in_any_units() -> None:
     """The scaled condition is all but that of good units, though that of M itself is lost."""
     model, size = random_model(9), 2.0 ** np.array([-20, 3, 0, 12, -5])
     other = replace(model, A=model.A * size / size[:, None], B=model.B / size[:, None], C=model.C * size)
-    first, second = (reduced_partition.of_model(m, model.outputs) for m in (model, other))
+    first, second = (reduced_observer.of_model(m, model.outputs) for m in (model, other))
     assert second.condition < 4 * first.condition < 40
     assert np.linalg.cond(second.M) > 1e3
     np.testing.assert_allclose(first.M @ first.inverse, np.eye(5), atol=tolerances.of("double"))

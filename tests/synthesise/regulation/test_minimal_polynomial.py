@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from synth.analyse.numerics import precise
 from synth.errors import SignalError
-from synth.synthesise.regulation import internal_model, minimal_polynomial
+from synth.synthesise.regulation import internal_model, regulator_equations
 from tests import tolerances
 
 
@@ -19,7 +19,7 @@ def jordan(mode: complex, order: int) -> np.ndarray:
 
 
 def multiplicities(S: object) -> dict[complex, int]:
-    return {complex(np.round(m.value, 6)): m.multiplicity for m in minimal_polynomial.roots(S)}
+    return {complex(np.round(m.value, 6)): m.multiplicity for m in regulator_equations.roots(S)}
 
 
 @pytest.mark.parametrize(
@@ -41,7 +41,7 @@ def test_known_cases(S: object, expected: dict[complex, int]) -> None:
 
 
 def test_order_counts_degrees() -> None:
-    assert [m.order for m in minimal_polynomial.roots(scipy.linalg.block_diag(jordan(0, 3), jordan(2j, 2)))] == [3, 4]
+    assert [m.order for m in regulator_equations.roots(scipy.linalg.block_diag(jordan(0, 3), jordan(2j, 2)))] == [3, 4]
 
 
 @settings(derandomize=True, max_examples=60, deadline=None)
@@ -54,7 +54,7 @@ def test_blocks_are_found_in_any_orthogonal_coordinates_and_units(seed: int) -> 
     S = scipy.linalg.block_diag(*blocks, jordan(modes[1], 1))
     Q = np.linalg.qr(rng.normal(size=S.shape))[0]
     units = 2.0 ** rng.integers(-20, 20, len(S))
-    roots = minimal_polynomial.roots(units[:, None] * (Q @ S @ Q.T) / units)
+    roots = regulator_equations.roots(units[:, None] * (Q @ S @ Q.T) / units)
     assert [m.multiplicity for m in roots] == orders.tolist()
     np.testing.assert_allclose([m.value for m in roots], modes, atol=tolerances.of("lyapunov"))
 
@@ -64,7 +64,7 @@ def test_the_polynomial_vanishes_at_the_matrix_and_none_of_lower_degree_does() -
     S = scipy.linalg.block_diag(jordan(2j, 2), jordan(0, 2), jordan(0, 1))
     Q = np.linalg.qr(rng.normal(size=S.shape))[0]
     S = Q @ S @ Q.T
-    p = [float(c) for c in minimal_polynomial.polynomial(minimal_polynomial.roots(S)).coeffs()]
+    p = [float(c) for c in regulator_equations.polynomial(regulator_equations.roots(S)).coeffs()]
     powers = [np.linalg.matrix_power(S, k) for k in range(len(p))]
     left = sum(c * M for c, M in zip(p, powers, strict=True))
     np.testing.assert_allclose(left, 0, atol=tolerances.of("double") * max(np.abs(M).max() for M in powers))
@@ -72,16 +72,16 @@ def test_the_polynomial_vanishes_at_the_matrix_and_none_of_lower_degree_does() -
 
 
 def test_modes_that_are_not_nilpotent_on_any_group_are_not_guessed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(minimal_polynomial, "ENTRY_ROUNDING", -1.0)
+    monkeypatch.setattr(regulator_equations, "ENTRY_ROUNDING", -1.0)
     with pytest.raises(SignalError, match="not determined in double precision: give frequencies"):
-        minimal_polynomial.roots(jordan(2j, 2))
+        regulator_equations.roots(jordan(2j, 2))
 
 
 @pytest.mark.parametrize("chain", [1.0, 7.0])
 def test_the_modal_matrix_leads_to_the_real_jordan_form(chain: float) -> None:
     """One block for each mode, with the chain's factor beside it."""
     model = internal_model.exosystem({0.0: 2, 3.0: 2})
-    T = minimal_polynomial.modal_matrix(model.modes, chain)
+    T = regulator_equations.modal_matrix(model.modes, chain)
     J = precise.rounded(T.inv() * precise.matrix(model.Phi) * T)
     turn = np.array([[0.0, 3.0], [-3.0, 0.0]])
     expected = scipy.linalg.block_diag([[0, chain], [0, 0]], np.block([[turn, chain * np.eye(2)], [0 * turn, turn]]))

@@ -6,12 +6,12 @@ import scipy.linalg
 
 from synth.errors import ModelError
 from synth.statespace import StateSpace
-from synth.synthesise.regulation import minimal_polynomial, regulator_equations
+from synth.synthesise.regulation import regulator_equations
 from synth.timing import Continuous, Discrete
 
 
-def modes(*frequencies: float) -> tuple[minimal_polynomial.Mode, ...]:
-    return tuple(minimal_polynomial.Mode(complex(0, w), 1) for w in frequencies)
+def modes(*frequencies: float) -> tuple[regulator_equations.Mode, ...]:
+    return tuple(regulator_equations.Mode(complex(0, w), 1) for w in frequencies)
 
 
 def coupled_plant(scale: float = 1.0) -> StateSpace:
@@ -46,4 +46,4 @@ def test_a_zero_is_found_in_sampled_plants_and_off_the_axis() -> None:
         [[-1.0]], [[1.0]], [[-1.5]], [[1.0]], ("a",), ("u",), ("y",), Continuous()
     )  # (s - 0.5) / (s + 1)
     with pytest.raises(ModelError, match=r"transmission zero at 0\.5 1/s, a mode"):
-        regulator_equations.require_solvable(right, [minimal_polynomial.Mode(0.5 + 0j, 1)])
+        regulator_equations.require_solvable(right, [regulator_equations.Mode(0.5 + 0j, 1)])

@@ -6,7 +6,7 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.synthesise.riccati import doubling
+from synth.synthesise.riccati import equation
 from synth.synthesise.riccati.equation import Equation
 
 
@@ -31,7 +31,7 @@ def test_what_a_decaying_state_costs_is_scipys(continuous: bool, seed: int, rate
     A = A - (np.linalg.eigvals(A).real.max() + 0.3) * np.eye(n) if continuous else A / 1.1 / np.linalg.norm(A, 2)
     C = rng.normal(size=(n, n))
     W = C + C.T
-    decay = doubling.stable_map(A, doubling.Bilinear(rate, continuous))
+    decay = equation.stable_map(A, equation.Bilinear(rate, continuous))
     assert decay is not None
     solver = scipy.linalg.solve_continuous_lyapunov if continuous else scipy.linalg.solve_discrete_lyapunov
     Y = solver(A.T, -W if continuous else W)
@@ -42,13 +42,13 @@ def test_what_a_decaying_state_costs_is_scipys(continuous: bool, seed: int, rate
 def test_what_does_not_decay_has_no_cost(continuous: bool) -> None:
     edge = 0.0 if continuous else 1.0
     for value in (edge, edge + 0.5):
-        assert doubling.stable_map(np.diag([edge - 0.5, value]), doubling.Bilinear(1.0, continuous)) is None
+        assert equation.stable_map(np.diag([edge - 0.5, value]), equation.Bilinear(1.0, continuous)) is None
 
 
 def test_the_rate_keeps_off_an_eigenvalue_of_the_model() -> None:
     """x' = x + u, Q small: the loop's pole is -1.0000005, and c = 1 would make c I - A singular."""
     e = Equation(np.eye(1), np.eye(1), 1e-6 * np.eye(1), np.eye(1), np.zeros((1, 1)), True)
-    assert abs(doubling.bilinear_map(e).c - 1) > 0.5
+    assert abs(equation.bilinear_map(e).c - 1) > 0.5
 
 
 def test_a_short_period_takes_no_more_passes() -> None:
@@ -56,8 +56,8 @@ def test_a_short_period_takes_no_more_passes() -> None:
     counts = []
     for pole in (0.5, 1 - 1e-6):
         e = Equation(np.array([[pole]]), (1 - pole) * np.eye(1), 1e-3 * np.eye(1), np.eye(1), np.zeros((1, 1)), False)
-        decay = doubling.stable_map(e.A, doubling.bilinear_map(e))
+        decay = equation.stable_map(e.A, equation.bilinear_map(e))
         assert decay is not None
         counts.append(len(decay.powers))
-    plain = doubling.stable_map(np.array([[1 - 1e-6]]), doubling.Bilinear(1.0, False))
+    plain = equation.stable_map(np.array([[1 - 1e-6]]), equation.Bilinear(1.0, False))
     assert plain is not None and max(counts) <= 4 < 20 < len(plain.powers)

@@ -7,7 +7,7 @@ import scipy.linalg
 
 from synth.analyse.numerics import precise
 from synth.synthesise.riccati import exact_lyapunov
-from synth.synthesise.riccati.doubling import Bilinear
+from synth.synthesise.riccati.equation import Bilinear
 from tests import tolerances
 
 

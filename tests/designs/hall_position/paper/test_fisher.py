@@ -10,7 +10,7 @@ import pytest
 from designs.hall_position.paper import fisher, sensor_accuracy
 from models import concentrated_field, hall_array
 from models.hall_two_waves import PlanarArray as Array
-from synth.analyse.observability import worst_deviation
+from synth.analyse.observability import information
 from synth.errors import ModelError
 
 l, ALPHA, BETA = 50.8e-3, 8.4 * 0.37502, -8.4 * 0.02146
@@ -71,9 +71,7 @@ def count_exceeding(array: Array, half: np.ndarray, count: int = 4000) -> int:
     """Return how many random poses in random cells exceed the cell's bound."""
     rng = np.random.default_rng(5)
     q = rng.uniform(0, 2 * np.pi, (3, count))
-    _, bound = worst_deviation.bound_cells(
-        partial(fisher.of_phases, array), partial(fisher.column_changes, array), q, half
-    )
+    _, bound = information.bound_cells(partial(fisher.of_phases, array), partial(fisher.column_changes, array), q, half)
     s = fisher.of_phases(array, q + half * np.sign(rng.uniform(-1, 1, q.shape)))
     assert np.isfinite(bound).all(axis=0).sum() > count / 10
     return int((s > bound).sum())

@@ -10,7 +10,7 @@ from models import concentrated_field as cf
 from models.hall_array import HallArray, Sensor
 from models.hall_chain import Chain
 from synth.errors import ModelError, SignalError
-from synth.synthesise.identify import log_file
+from synth.synthesise.identify import logs
 from synth.synthesise.identify.logs import Log
 
 l = 50.8e-3
@@ -115,7 +115,7 @@ def test_a_scan_goes_through_a_file() -> None:
     log = scan_fit.simulate_scan(MISALIGNED, FABRICATED, scan_fit.places(l, 12), 3)
     rows = log.columns(("X", "Y", "V_ax")).tolist()
     text = "\n".join(["X [m], Y [m], V_ax [V]", *(", ".join(map(repr, row)) for row in rows)])
-    read = log_file.parse(text, {"X": "m", "Y": "m", "V_ax": "V"})
+    read = logs.parse(text, {"X": "m", "Y": "m", "V_ax": "V"})
     np.testing.assert_array_equal(
         scan_fit.fit(read, "V_ax", l).estimate.values, scan_fit.fit(log, "V_ax", l).estimate.values
     )
