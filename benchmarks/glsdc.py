@@ -21,11 +21,10 @@ from synth.blocks.estimate.glsdc_integrity import Integrity
 from synth.blocks.estimate.glsdc_solution import Iteration
 from synth.emit import write
 from synth.execute import cross, host
-from synth.execute.build import compile_block
-from synth.execute.host import Controller
+from synth.execute.host import Controller, compile_block
 from synth.execute.target import load
-from synth.simulate import stanford
-from synth.simulate.stanford import Diagram
+from synth.simulate import worst_case
+from synth.simulate.worst_case import Diagram
 from synth.statespace import Array
 
 LARGEST, SAMPLES, COUNTED, SEED = 15.0, 100_000, 100, 7
@@ -132,7 +131,7 @@ def diagrams(samples: int) -> Iterator[tuple[str, Diagram]]:
         for name, monitor in monitors(of).items():
             if monitor:
                 t = trial(of, monitor, samples)
-                first = stanford.diagram(t.errors[:, 0], t.levels[:, 0], t.valid, monitor.limits[of.unknowns[0]], "m")
+                first = worst_case.diagram(t.errors[:, 0], t.levels[:, 0], t.valid, monitor.limits[of.unknowns[0]], "m")
                 yield f"{title(of)}, {name}", first
 
 

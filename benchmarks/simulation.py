@@ -32,10 +32,10 @@ from synth.check import Check
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.simulate import closed_loop, integration, sampling
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.integration import Integration
 from synth.simulate.lanes import lanes
-from synth.simulate.lanes.lane_memory import Recording
+from synth.simulate.lanes.lane_blocks import Recording
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Scenario, Trajectory
 

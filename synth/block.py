@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from synth import arguments, intermediates, show
 from synth import law as laws
 from synth.errors import SignalError, TimingError
-from synth.failure import Failure
-from synth.fault import LATCH_BIT, Fault, Safety
+from synth.fault import LATCH_BIT, Failure, Fault, Safety
 from synth.signals import Signal, identifier, signal_names
 from synth.timing import Discrete
 

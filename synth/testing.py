@@ -29,7 +29,7 @@ from synth.declare.stage import Controller, Interface, Stage
 from synth.execute import compile as host_compiler
 from synth.execute import host
 from synth.verify import agree, sampling, standard, steps, stimuli, suite
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 __all__ = [
     "test_defects_that_are_planted_are_found",

@@ -24,7 +24,7 @@ STRATA = (  # of synth, the lowest first; each imports only itself and those bef
 )  # fmt: skip
 VOCABULARY = (  # modules at the top of synth, below all strata but `base`, which needs their errors alone
     "errors", "kinds", "arguments", "numeric", "check", "show", "signals", "timing", "law", "intermediates", "plant",
-    "resolvent", "conversions", "statespace", "failure", "fault", "block", "composition",
+    "resolvent", "statespace", "fault", "block", "composition",
 )  # fmt: skip
 RANK = {("synth", "errors"): -1, ("synth", "base"): -1}
 RANK |= {("synth", name): 0 for name in (*VOCABULARY[1:], "reference")}

@@ -16,7 +16,7 @@ from synth.statespace import StateSpace
 from synth.synthesise.feedback import lqr, pole_placement
 from synth.synthesise.riccati import riccati
 from synth.timing import Continuous
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 DOUBLE = StateSpace(
     *([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]], [[0.0]]),  # type: ignore[arg-type]

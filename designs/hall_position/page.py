@@ -7,7 +7,7 @@ from typing import Any
 
 from designs.hall_position.pages import estimator, field
 from models.hall_stage import Stage
-from synth.report import captions, page, standard
+from synth.report import page, prose, standard
 from synth.report.template import Extra, Results
 
 STUDIES = "Studies"
@@ -17,7 +17,7 @@ def contents(quoted: Mapping[str, Any], results: Results) -> Extra:
     """Return what the report has beyond the standard; `quoted` are the results of the studies."""
     data = tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     computed = {**field.blocks(Stage()), **estimator.blocks(data["meaning"])}
-    blocks = captions.with_captions(computed, data["blocks"])
+    blocks = prose.with_captions(computed, data["blocks"])
     equations = {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
     return Extra(
         {**equations, **blocks},

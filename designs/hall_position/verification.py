@@ -27,12 +27,11 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from models.hall_motions import Numbers
 from synth.check import Check
-from synth.simulate import ensemble
+from synth.simulate import sampling
 from synth.verify import agree, replays, suite
 from synth.verify.agree import StepResults
-from synth.verify.evidence import Evidence
 from synth.verify.sampling import Columns
-from synth.verify.suite import Witnesses
+from synth.verify.suite import Evidence, Witnesses
 
 FULL_STEPS = {"motions": 100_000, "random": 20_000, "edge": 10_000}  # steps of each estimator
 QUICK_STEPS = {"motions": 10_000, "random": 4_000, "edge": 2_000}
@@ -92,7 +91,7 @@ def compare_witnesses(
     """Yield the comparisons of an estimator."""
     inputs = random_steps.motion_inputs(subject, sizes["motions"])
     kinds: dict[str, Callable[[], tuple[Columns, Columns]]] = {
-        "motions": partial(ensemble.consecutive_steps, witness_set.c64, inputs),
+        "motions": partial(sampling.consecutive_steps, witness_set.c64, inputs),
         "random": partial(random_steps.operating_steps, subject, sizes["random"]),
         "edge": partial(random_steps.edge_steps, subject, sizes["edge"]),
     }

@@ -23,7 +23,7 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.protected import config, stimuli
 from designs.hall_position.reference_glsdc import Setup
 from synth.check import Check
-from synth.simulate import ensemble
+from synth.simulate import sampling
 from synth.verify import agree, suite
 from synth.verify.agree import Agreement, StepResults
 from synth.verify.sampling import Columns
@@ -130,7 +130,7 @@ def _variance(name: str) -> float:
 def steps_along(of: Witnesses, bodies: int) -> Steps:
     """Return the consecutive steps of the C in double precision from init."""
     inputs = stimuli.inputs(bodies, name=of.block.name)
-    members, columns = ensemble.consecutive_steps(of.c64, inputs)
+    members, columns = sampling.consecutive_steps(of.c64, inputs)
     return Steps(f"{of.block.name}, motions", {s.name: members[s.name] for s in of.block.states}, columns)
 
 

@@ -12,7 +12,7 @@ from synth.emit.write import EmittedCode
 from synth.execute import host
 from synth.report import page
 from synth.report.prose import Value
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.verify import meter, steps
 
 ANGLES = {"tracking": "where the current acts", "tracking_measured_angle": "measured"}

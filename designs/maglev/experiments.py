@@ -14,10 +14,9 @@ from synth.declare.experiments import Run
 from synth.declare.stage import Stage
 from synth.execute import host
 from synth.simulate import metrics
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory, sample_times
 from synth.statespace import Array
 
 Make = Callable[..., Experiment]

@@ -20,7 +20,7 @@ from designs.maglev import platen
 from designs.maglev.platen import RESOLUTION
 from synth.block import Block
 from synth.declare.stage import Stage
-from synth.execute import build, host
+from synth.execute import host
 from synth.simulate import metrics
 from synth.simulate.rig import Rig, Wires
 from synth.simulate.scenario import Trajectory, sample_times
@@ -106,7 +106,7 @@ def motor_currents(trajectory: Trajectory) -> Array:
 def compile_block(block: Block, scalar: str) -> host.Controller:
     """Return a Block compiled in a scalar type by name."""
     kind = np.dtype(scalar).type
-    return build.compile_block(block, kind, error=platen.SURROGATE_ERROR[kind])
+    return host.compile_block(block, kind, error=platen.SURROGATE_ERROR[kind])
 
 
 @lru_cache(maxsize=8)

@@ -18,8 +18,7 @@ from synth.check import Check
 from synth.declare.companion import Reference
 from synth.fault import LATCH_BIT
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory, sample_times
 from synth.verify import agree, sampling
 from synth.verify.sampling import Columns
 from synth.verify.standard import Stimuli

@@ -9,8 +9,8 @@ from designs.maglev import experiments, platen
 from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.check import Check
-from synth.execute import build, host
-from synth.simulate.experiment import Experiment
+from synth.execute import host
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 
 LIMITS = experiments.Limits(
@@ -28,7 +28,7 @@ WINDUP = "x from -49.9 to 49.9 mm at 30 mm gap, {} anti-windup"
 def without_anti_windup(scalar: str) -> host.Controller:
     """Return the controller without anti-windup, compiled in a scalar type by name."""
     kind, controller = np.dtype(scalar).type, control.with_fault_handling(maglev_stage.plant(), anti_windup=False)
-    return build.compile_block(controller.block, kind, error=platen.SURROGATE_ERROR[kind])
+    return host.compile_block(controller.block, kind, error=platen.SURROGATE_ERROR[kind])
 
 
 def _windup(rig: Rig, anti_windup: bool) -> Experiment:

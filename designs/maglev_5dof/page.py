@@ -10,7 +10,7 @@ from synth.plant import Plant
 from synth.report import figures, page, presentation, standard
 from synth.report.prose import Value
 from synth.report.template import Extra, Results
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 
 LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: longer runs are drawn over the window
 PUBLISHED = {  # rows of the audit with the paper's statements on an experiment

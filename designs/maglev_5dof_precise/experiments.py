@@ -6,7 +6,7 @@ from designs.maglev import experiments, motions
 from models import maglev_as_built, maglev_stage
 from synth.check import Check
 from synth.declare.experiments import Run
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 
 TRACKING = {"y": 1e-6, "x": 1e-6, "z": 1e-6, "theta": 3e-6}  # m, rad: mean errors from 10 to 60 s

@@ -10,7 +10,7 @@ from designs.planar_6dof.interface import Subject
 from designs.planar_6dof.sensing import sections as sensing
 from models import halbach, papers, planar_stage
 from synth import stage
-from synth.blocks.faults import repeated_codes
+from synth.blocks.faults import innovation_monitor
 from synth.declare.experiments import Run
 from synth.declare.fault_campaign import StudyLimits
 from synth.timing import Discrete
@@ -38,7 +38,7 @@ BEGINS = (
     "not known. Six suspects at once can also mean a dead or reversed phase, a steady force above 1.8 N, or missed "
     "calls."
 )
-KNOWN_AFTER = repeated_codes.longest(len(planar_stage.HALL), sensing.REPEATS)
+KNOWN_AFTER = innovation_monitor.longest(len(planar_stage.HALL), sensing.REPEATS)
 REPEATED = (
     f"A Hall voltage with the same value {sensing.REPEATS} times in a row is frozen. One is watched at a time, so it "
     f"becomes a suspect after {KNOWN_AFTER} samples, and one more for each value that a sound one repeats by chance. "

@@ -13,10 +13,9 @@ from scipy import signal
 from designs.planar_6dof.sensing import calibration
 from designs.planar_6dof.sensing import maps as sensing_maps
 from synth.plant import Plant
-from synth.report import charts, figures, maps
-from synth.report.charts import Chart, Line
+from synth.report import figures, maps
 from synth.report.figures import COLOURS, Curve, Panel
-from synth.report.maps import Map
+from synth.report.maps import Chart, Line, Map
 from synth.statespace import Array
 
 POINTS, SECTIONS = 64, 8  # over a pitch
@@ -42,7 +41,7 @@ def pitch(plant: Plant) -> Figure:
     along = "x from the middle of a pitch, mm"
     borders = {"xticks": 1e3 * cal.pitch * (np.arange(SECTIONS + 1) / SECTIONS - 0.5)}
     off = Chart([Line(1e3 * x, 1e6 * error["x"])], along, "error of raw x, µm", legend="", options=borders)
-    return charts.draw([Chart(waves, along, "voltage over amplitude", options=borders), off], 3.4)
+    return maps.draw([Chart(waves, along, "voltage over amplitude", options=borders), off], 3.4)
 
 
 def yaw_maps(plant: Plant, yaw: float = 6e-3, doubt: float = 1e-3) -> Figure:
@@ -78,7 +77,7 @@ def spectra(records: Mapping[str, Array], period_s: float) -> Figure:
     for label, x in records.items():
         frequency, power = signal.welch(x, 1 / period_s, nperseg=min(SEGMENT, len(x) // 4), detrend="linear")
         lines.append(Line(frequency[1:], 1e6 * np.sqrt(power[1:]), label))
-    return charts.draw([Chart(lines, "frequency, Hz", "x, µm/√Hz", options={"xlim": (0.0, 0.5 / period_s)})], 3.2)
+    return maps.draw([Chart(lines, "frequency, Hz", "x, µm/√Hz", options={"xlim": (0.0, 0.5 / period_s)})], 3.2)
 
 
 def circle(set_point: Sequence[Array], path: Sequence[Array]) -> Figure:
@@ -96,4 +95,4 @@ def circle(set_point: Sequence[Array], path: Sequence[Array]) -> Figure:
         keep = figures.decimate(values)
         errors.append(Line(np.degrees(angle[at_radius][keep]), values[keep], label, {"lw": 0.7}))
     plane = Chart(lines, "x, mm", "y, mm", options={"aspect": "equal"})
-    return charts.draw([plane, Chart(errors, "angle of the set-point, °", "true error, µm")], 4.0, (1, 1.25))
+    return maps.draw([plane, Chart(errors, "angle of the set-point, °", "true error, µm")], 4.0, (1, 1.25))

@@ -20,7 +20,7 @@ from models import planar_stage
 from synth.check import Check
 from synth.declare.experiments import Run
 from synth.simulate import metrics
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 

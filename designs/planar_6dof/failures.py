@@ -19,10 +19,9 @@ from designs.planar_6dof.sensing import sections as sensing
 from models import planar_stage
 from synth.check import Check
 from synth.declare.experiments import Run
-from synth.simulate.experiment import Experiment
-from synth.simulate.faults import failure, failure_experiments
-from synth.simulate.faults.failure import Failure
-from synth.simulate.faults.failure_experiments import NAN, Texts
+from synth.simulate.experiments import Experiment
+from synth.simulate.faults import failure_experiments
+from synth.simulate.faults.failure_experiments import NAN, Failure, Texts
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 
@@ -46,7 +45,9 @@ def fail(loop: Rig, channel: str, kind: str, start: Place = START, speed: Place 
     """Run the stage with a channel that fails permanently after FAILURE seconds, at a `speed` in m/s."""
     moving_s = np.maximum(sample_times(DURATION, loop.period_s) - MOVES, 0.0)
     references = {f"{axis}_ref": at + speed[axis] * moving_s for axis, at in start.items()}
-    return failure.fail(loop, channel, FAULT_VALUES[kind], FAILURE, DURATION, references, start, contradicts)
+    return failure_experiments.fail(
+        loop, channel, FAULT_VALUES[kind], FAILURE, DURATION, references, start, contradicts
+    )
 
 
 def contradicts(loop: Rig, run: Trajectory) -> NDArray[np.bool_]:
@@ -62,7 +63,7 @@ def residuals(loop: Rig, run: Trajectory) -> Array:
         for s in sensing.RESIDUALS
     }
     rho = np.sqrt(np.sum([(measured[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
-    bits = failure.bits(loop)
+    bits = failure_experiments.bits(loop)
     return np.where(run.faults & np.bitwise_or.reduce([bits[name] for name in HALL]), 0.0, rho)
 
 

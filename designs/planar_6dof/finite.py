@@ -29,7 +29,7 @@ from designs.planar_6dof.loop import Array, measured_positions, simulate
 from models import finite_stage, planar_stage
 from synth.check import Check
 from synth.declare.experiments import Run
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 

@@ -23,7 +23,7 @@ from synth.block import Block, unranged
 from synth.blocks.guard import safety
 from synth.composition import compose
 from synth.declare.stage import Interface, Stage
-from synth.execute import build, host
+from synth.execute import host
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.statespace import Array
@@ -108,4 +108,4 @@ def position_block(time: Discrete, predicted: bool = True) -> Block:
 
 def compile_block(block: Block, scalar: type[np.floating] = np.float32) -> host.Controller:
     """Return the compiled C of a Block, emitted as in the shipped controller."""
-    return build.compile_block(block, scalar, error=interface.SURROGATE_ERROR[scalar])
+    return host.compile_block(block, scalar, error=interface.SURROGATE_ERROR[scalar])

@@ -22,7 +22,8 @@ from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.sensing import sections as sensing
 from synth.block import Block, Exprs, State, Step, build
 from synth.blocks.estimate import dead_reckoning
-from synth.blocks.faults import braking, start
+from synth.blocks.faults import start
+from synth.blocks.guard import safe_output
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -95,7 +96,7 @@ def add_braking(
     moved = axes(plant, time, bandwidth)
     said = [*notes, removes({axis.name: axis.acceleration for axis in moved}, time)]
     started = start.block(time, {demanded[a]: begun.get(a, s) for a, s in vertical.DEMAND.items()})
-    return [*blocks, started, braking.block("braking", time, moved, demands, SHARE, said)]
+    return [*blocks, started, safe_output.braking_block("braking", time, moved, demands, SHARE, said)]
 
 
 def removes(acceleration: Mapping[str, float], time: Discrete) -> str:

@@ -21,19 +21,18 @@ from models import planar_stage
 from synth.block import Block
 from synth.declare.stage import Stage
 from synth.plant import Plant, Symbols
-from synth.report import captions, page, sections, standard
+from synth.report import page, prose, sections, standard
 from synth.report.audit import Row
-from synth.report.captions import Content
 from synth.report.figures import SYMBOLS
 from synth.report.notation import readable
 from synth.report.page import Section
 from synth.report.presentation import PublishedFigures, Shown, published_figures, window
-from synth.report.prose import Value
+from synth.report.prose import Content, Value
 from synth.report.template import Extra, Results
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 SHOWN = Shown(
     {s.name: s.unit for s in (*planar_stage.STATES, *planar_stage.INPUTS, *planar_stage.OUTPUTS)},
@@ -82,7 +81,7 @@ def extra(contents: Callable[[Plant], Contents], stage: Stage, results: Results)
         **_at_rest(runs, time, design),
         **_run_figures(runs, design),
     }
-    values = captions.with_captions(computed, data["blocks"])
+    values = prose.with_captions(computed, data["blocks"])
     loop_part = standard.loops(design.loops)
     return Extra(
         {**values, **design.values},

@@ -20,8 +20,7 @@ from designs.planar_6dof.loop import Array, growing_circle, simulate
 from models import planar_stage
 from synth.check import Check
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory, sample_times
 from synth.timing import Discrete
 from synth.verify import agree
 from synth.verify.sampling import Columns

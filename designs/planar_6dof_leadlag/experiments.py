@@ -18,7 +18,7 @@ from designs.planar_6dof.loop import Array, growing_circle, measured_positions, 
 from designs.planar_6dof.paper.records import FIGURE_8
 from synth.check import Check
 from synth.declare.experiments import Run
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 

@@ -45,10 +45,10 @@ from synth.execute import host
 from synth.plant import Plant
 from synth.report import page
 from synth.signals import Signal
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.statespace import Array, StateSpace, readonly
 from synth.synthesise.observers import kalman, reduced_observer
-from synth.verify import operations
+from synth.verify import cost
 from synth.verify.agree import Columns
 
 NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad rms, (9) and (46); that of phi is not printed
@@ -210,7 +210,7 @@ def _count_instructions(what: str, order: Order, of: Block, inputs: Columns) -> 
     emitted = write.emit(of, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     recorded = steps.record(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
     assert emitted.program is not None
-    arithmetic = sum(operations.of_program(emitted.program).values())
+    arithmetic = sum(cost.of_program(emitted.program).values())
     for row in meter.instructions(emitted, [recorded]):
         (n,) = row.counts
         yield what, order, len(of.states), arithmetic, row.build, float(n.mean()), int(n.max())

@@ -15,7 +15,7 @@ from designs.planar_6dof import failures, finite
 from designs.planar_6dof.paper import records
 from synth.check import Check
 from synth.declare.experiments import Run
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 
 STEPS = {"x": records.STEP, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10

@@ -12,7 +12,7 @@ from designs.planar_6dof_lqg import core, loops
 from models import planar_stage
 from synth.analyse.loops import disk
 from synth.plant import Plant
-from synth.report import figures, multivariable, sections
+from synth.report import bode, figures, sections
 from synth.report.page import Figure, Section, Text
 from synth.report.prose import Value
 from synth.statespace import StateSpace
@@ -46,7 +46,7 @@ def _horizontal_loop(plant: Plant) -> Section:
         f"The gain H of (42) cannot be used. The library refuses it: {loops.rejection_message().replace('-1', '−1')}."
     )
     disks = {label: {cut: disk.of_loop(L) for cut, L in each.items()} for label, each in open_loops.items()}
-    svg = figures.svg(multivariable.disks(disks[loops.SHIPPED]), "disks")
+    svg = figures.svg(bode.disks(disks[loops.SHIPPED]), "disks")
     shipped = Figure(svg, "Disk margin over frequency, as shipped, by where the loop is opened.")
     return Section(
         "The horizontal loop as a whole", (*_singular(open_loops), sections.disks(disks), shipped, Text(refusal))
@@ -65,8 +65,8 @@ def _singular(open_loops: Mapping[str, Mapping[str, StateSpace]]) -> tuple[Figur
     }
     plots = []
     for (name, at), by_label in cuts.items():
-        values = {label: multivariable.singular(L, w) for label, L in by_label.items()}
-        svg = figures.svg(multivariable.singular_values(values), f"singular-{name}")
+        values = {label: bode.singular(L, w) for label, L in by_label.items()}
+        svg = figures.svg(bode.singular_values(values), f"singular-{name}")
         plots.append(Figure(svg, f"Singular values of the loop opened at {at}."))
     return tuple(plots)
 

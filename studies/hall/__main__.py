@@ -17,7 +17,7 @@ from studies.hall.loop import experiments, four_experiments
 from studies.hall.pages import integrity
 from studies.hall.trust import endurance
 from studies.hall.trust.estimator_ensemble import EstimatorConfig
-from synth.base import progress, strict_json
+from synth.base import contents, progress
 
 RESULTS, PAGE = Path(__file__).with_name("results.json"), Path("reports", "hall_studies.html")
 BODIES, SAMPLES = 2000, 5000  # in random motion: ten million samples
@@ -42,7 +42,7 @@ def run(date: str, revision: str) -> bool:
         report("page")
         html = page.report(checks, runs, surveyed, measured)
     RESULTS.write_text(
-        strict_json.dumps(results.document(date, revision, checks, runs, measured)) + "\n", encoding="utf-8"
+        contents.dumps(results.document(date, revision, checks, runs, measured)) + "\n", encoding="utf-8"
     )
     PAGE.parent.mkdir(exist_ok=True)
     PAGE.write_text(html, encoding="utf-8")

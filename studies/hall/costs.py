@@ -28,9 +28,8 @@ from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.report import page
-from synth.verify import baselines, meter, steps
-from synth.verify.baselines import Candidate
-from synth.verify.meter import Build
+from synth.verify import meter, steps
+from synth.verify.meter import Build, Candidate
 from synth.verify.steps import Steps
 
 BUILDS = (Build("gcc -O2", "gcc"), Build("gcc -O2 contracted", "gcc", cross.CONTRACTED))
@@ -101,8 +100,8 @@ def of_companion(emitted: EmittedCode) -> Subject:
     name = str(emitted.manifest["design"])
     inputs = protected.vectors({"V_ax": np.zeros(1, np.float32)}, {}, name)
     along = steps.record(host.load(emitted.files, emitted.manifest), "vectors", inputs)
-    casadi = baselines.casadi(protected.block(name=name), shimmed=True)
-    return Subject(f"{len(protected.PLACES[name])} sensors", baselines.emitted_c(emitted), casadi, along)
+    casadi = meter.casadi(protected.block(name=name), shimmed=True)
+    return Subject(f"{len(protected.PLACES[name])} sensors", meter.emitted_source(emitted), casadi, along)
 
 
 def of_six() -> Subject:
@@ -112,7 +111,7 @@ def of_six() -> Subject:
     emitted = emit(block)
     sequence = six_steps(array, host.load(emitted.files, emitted.manifest))
     name = f"six degrees of freedom, {len(array.positions)} sensors"
-    return Subject(name, baselines.emitted_c(emitted), baselines.casadi(block, shimmed=True), sequence)
+    return Subject(name, meter.emitted_source(emitted), meter.casadi(block, shimmed=True), sequence)
 
 
 def six_steps(array: SpatialArray, controller: host.Controller) -> Steps:

@@ -10,9 +10,9 @@ from studies.hall.costs import Row
 from studies.hall.loop import calibration
 from studies.hall.pages import accuracy, experiments, integrity, loops, six, trust
 from synth.check import Check
-from synth.report import captions, page, prose
-from synth.report.captions import Content
-from synth.simulate.experiment import Experiment
+from synth.report import page, prose
+from synth.report.prose import Content
+from synth.simulate.experiments import Experiment
 
 TITLE = "hall_position: studies"
 ABOUT = (
@@ -41,7 +41,7 @@ def report(
         **six.blocks(stage),
     }
     equations = {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
-    values = {**equations, **captions.with_captions(contents, data["blocks"])}
+    values = {**equations, **prose.with_captions(contents, data["blocks"])}
     parts = [
         experiments.section(runs, data["published"]),
         *((loops.section(),) if runs else ()),

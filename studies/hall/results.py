@@ -9,7 +9,7 @@ from typing import Any
 
 from studies.hall.costs import Row
 from synth.check import Check
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 
 COST = "instructions a sample, Cortex-M4F"
 

@@ -25,7 +25,7 @@ from scipy.optimize import least_squares
 from designs.maglev import platen
 from models import maglev_phases, maglev_stage, windings
 from synth.plant import Plant
-from synth.simulate.faults import machines
+from synth.simulate.faults import campaign
 from synth.statespace import Array
 
 STATES = [s.name for s in maglev_stage.STATES]
@@ -139,7 +139,7 @@ def course(phase: float) -> tuple[Array, Array]:
 @cache
 def machine(number: int) -> Machine:
     """Return a plant of the fault campaign, by its number."""
-    return Machine(machines.plant_number(maglev_stage.plant(), number))
+    return Machine(campaign.plant_number(maglev_stage.plant(), number))
 
 
 def _step(plant: Plant) -> ca.Function:

@@ -27,7 +27,7 @@ from synth.emit import write
 from synth.errors import ContentError
 from synth.report import first_screen
 from synth.report.first_screen import Row
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 # Folders of a workspace that no build reads: what it writes, and tests and documents.
 NOT_READ = frozenset({"generated_c", "reports", "build", "dist", "tests", "docs"})

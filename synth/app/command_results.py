@@ -9,7 +9,7 @@ from typing import Any
 from rich.console import Console
 from rich.markup import escape
 
-from synth.base import progress, store, strict_json
+from synth.base import contents, progress, store
 from synth.base.jobs import Job, Outcome, run
 
 
@@ -50,5 +50,5 @@ def finish(
     """Print the documents, errors last; return 2 where a design has no result, 1 where a check failed."""
     errors = [asdict(result) for result in results.values() if isinstance(result, Failed)]
     if as_json:
-        sys.stdout.write(strict_json.dumps([*documents, *errors]) + "\n")
+        sys.stdout.write(contents.dumps([*documents, *errors]) + "\n")
     return 2 if errors else int(failed)

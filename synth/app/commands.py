@@ -18,21 +18,21 @@ from synth.app import builds, fault_jobs, standard_tasks, tables, tasks, workspa
 from synth.app.command_results import Failed, finish, run_jobs, successful, writer
 from synth.app.new import create
 from synth.app.tasks import attempt
-from synth.base import progress, store, strict_json
+from synth.base import contents, progress, store
 from synth.base.jobs import Job
 from synth.base.progress import Progress
 from synth.check import Check
 from synth.declare.stage import Stage
 from synth.emit import write
-from synth.emit.c import vectors
+from synth.emit.c import manifest
 from synth.report import first_screen
 from synth.report.audit import Row
-from synth.simulate.experiment import Experiment
-from synth.simulate.faults.fault_rows import Campaign
+from synth.simulate.experiments import Experiment
+from synth.simulate.faults.fault_table import Campaign
 from synth.verify import standard
 from synth.verify.cost import Cost
-from synth.verify.evidence import Evidence
 from synth.verify.proofs import prove as proofs
+from synth.verify.suite import Evidence
 
 SCALARS: dict[str, type[np.floating]] = {"float32": np.float32, "float64": np.float64}
 CORES: dict[str, type[np.floating]] = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
@@ -74,7 +74,7 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
     for name, built in ((name, results[name]) for name in keys):
         if isinstance(built, Failed):
             continue
-        reports = {f"{name}.html": built.page, f"{name}.evidence.json": strict_json.dumps(built.evidence) + "\n"}
+        reports = {f"{name}.html": built.page, f"{name}.evidence.json": contents.dumps(built.evidence) + "\n"}
         write.save(reports, root / "reports")
         failed = [c.document() for c in built.checks if not c.passed]
         documents.append({"design": name, "checks": len(built.checks), "failed": failed})
@@ -114,22 +114,22 @@ def _on_host(stage: Stage, report: Progress) -> Verified:
 def _on_target(core: str, stage: Stage, report: Progress) -> Verified:
     """Replay on the host and on a core: the document, the checks, and the drift with contraction as measured values."""
     from synth.execute import cross, host
-    from synth.verify import on_target
+    from synth.verify import replays
 
     folders = dict(tasks.emission(stage, CORES[core]).result(report))
     emitted = folders.pop(stage.name)
     inputs = standard_tasks.replay_inputs(stage, host.load(emitted.files, emitted.manifest))
-    checks = [*on_target.verify(emitted, inputs, core, report)]
+    checks = [*replays.verify(emitted, inputs, core, report)]
     for folder, companion in folders.items():
-        recorded, count = vectors.inputs(companion.files["vectors.json"]), _in_folder(report, folder, stage.name)
-        checks += [replace(c, name=f"{folder}, {c.name}") for c in on_target.verify(companion, recorded, core, count)]
+        recorded, count = manifest.inputs(companion.files["vectors.json"]), _in_folder(report, folder, stage.name)
+        checks += [replace(c, name=f"{folder}, {c.name}") for c in replays.verify(companion, recorded, core, count)]
     document: dict[str, Any] = {"design": stage.name, "target": core, "checks": _checks(checks), "drift": None}
     if "gcc" not in cross.available():
         note = "drift with contraction: arm-none-eabi-gcc is not installed, not measured"
         report(note)
         return Verified(document, checks, {}, (note,))
     floor = standard.stimuli_of(stage).floor
-    drift = on_target.drift(emitted, inputs, core, floor)
+    drift = replays.drift(emitted, inputs, core, floor)
     least = f"{floor:g}" if isinstance(floor, float) else "floor"
     what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
     figures = {what: drift.worst, "fault words that differ": float(drift.faults)}

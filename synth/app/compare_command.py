@@ -7,7 +7,7 @@ from typing import Any
 
 from synth.app import comparison, tables, workspace
 from synth.app.command_results import run_jobs
-from synth.base import store, strict_json
+from synth.base import contents, store
 from synth.report import comparison as report
 from synth.report.comparison import Side
 from synth.simulate import study
@@ -35,7 +35,7 @@ def compare(names: tuple[str, str], as_json: bool, fresh: bool, chosen: CompareC
     if chosen.report is not None:
         store.replace_text(chosen.report, report.page_text(sides))
     if as_json:
-        sys.stdout.write(strict_json.dumps([document(side) for side in sides]) + "\n")
+        sys.stdout.write(contents.dumps([document(side) for side in sides]) + "\n")
     else:
         tables.print_comparison(sides)
     return 0

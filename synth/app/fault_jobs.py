@@ -22,10 +22,9 @@ from synth.declare.stage import Stage
 from synth.errors import ContentError, DesignError, SynthError
 from synth.execute import compile as host_compiler
 from synth.signals import per_second
-from synth.simulate.faults import campaign, fault_rows, fault_sweeps, injections
-from synth.simulate.faults.campaign import FaultRun, HealthyRun
-from synth.simulate.faults.fault_rows import Campaign
-from synth.simulate.faults.fault_sweeps import Sweep
+from synth.simulate.faults import campaign, fault_table, injections
+from synth.simulate.faults.campaign import FaultRun, HealthyRun, Sweep
+from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.faults.injections import Injection
 from synth.simulate.rig import Rig
 
@@ -116,7 +115,7 @@ def jobs(stage: Stage, parts: Sequence[Part], after: Sequence[str] = ()) -> list
 def result(stage: Stage, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None = None) -> Campaign:
     """Return the campaign of a stage, from the outcomes of all jobs, none of which failed, or from the cache.
 
-    Raises DesignError as `stage_of`, SignalError as `fault_rows.campaign`, and Incomplete where a run raised an error,
+    Raises DesignError as `stage_of`, SignalError as `fault_table.campaign`, and Incomplete where a run raised an error,
     with the campaign of the others, None where there is none.
     """
     of_parts = _all_chunks(stage, parts, outcomes)
@@ -124,7 +123,7 @@ def result(stage: Stage, parts: Sequence[Part], outcomes: Mapping[str, Outcome] 
     if failed and not chunks:
         raise Incomplete(None, failed)
     healthy = {(c.healthy.plant, c.healthy.condition): c.healthy for c in chunks}
-    whole = fault_rows.campaign(
+    whole = fault_table.campaign(
         _rigs(stage_of(stage))[0],
         len({plant for plant, _ in healthy}),
         list(healthy.values()),
@@ -264,7 +263,7 @@ def compute_chunk(stage: Stage, part: Part, faults: Sequence[Injection], progres
     condition = next(c for c in campaign.motion_and_standstill(rig) if c.name == part.condition)
     if part.what == SWEEPS:
         healthy, _ = campaign.run(rig, part.plant, condition, progress, ())
-        return Chunk(healthy, (), (), tuple(fault_sweeps.run(rig, without_latch, condition, progress, faults)))
+        return Chunk(healthy, (), (), tuple(campaign.run_sweeps(rig, without_latch, condition, progress, faults)))
     healthy, runs = campaign.run(rig, part.plant, condition, progress, faults)
     latched = list(dict.fromkeys(run.injection for run in runs if math.isfinite(run.latch_s)))
     if part.plant != 0 or part.what == LOSSES or not latched:

@@ -19,14 +19,14 @@ from synth.declare import actuation
 from synth.declare.companion import Companion
 from synth.declare.stage import Stage
 from synth.emit import write
-from synth.emit.c import vectors
+from synth.emit.c import manifest
 from synth.emit.write import EmittedCode
 from synth.errors import DesignError
-from synth.execute import build, host
-from synth.failure import with_reactions
-from synth.simulate import experiments, headroom
+from synth.execute import host
+from synth.fault import with_reactions
+from synth.simulate import experiments
 from synth.simulate import rig as rigs
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.verify import standard, stimuli
 from synth.verify.steps import Steps
@@ -41,7 +41,7 @@ def compiled_controller(stage: Stage, scalar: type[np.floating]) -> host.Control
 def _compile(stage: Stage, scalar: str) -> host.Controller:
     scalar_type = np.float32 if scalar == "float32" else np.float64
     block = _with_measured_safe_output(stage)  # as it is emitted: the passes over it have run
-    return build.compile_block(block, scalar_type, error=stage.surrogate_error.get(scalar_type))
+    return host.compile_block(block, scalar_type, error=stage.surrogate_error.get(scalar_type))
 
 
 def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
@@ -55,7 +55,7 @@ def rig_without_latch(stage: Stage, scalar: type[np.floating]) -> Rig:
     A fault campaign with it must fail; otherwise the campaign could not detect a latch that is missing.
     """
     block = safety.without_latch(stage.controller.block)
-    return rigs.of_stage(stage, build.compile_block(block, scalar, error=stage.surrogate_error.get(scalar)))
+    return rigs.of_stage(stage, host.compile_block(block, scalar, error=stage.surrogate_error.get(scalar)))
 
 
 def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
@@ -143,7 +143,7 @@ def _with_measured_safe_output(stage: Stage) -> Block:
 
 
 def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], replay: host.Replay) -> EmittedCode:
-    text = vectors.document(inputs, replay.outputs, replay.faults)
+    text = manifest.document(inputs, replay.outputs, replay.faults)
     return replace(files, files={**files.files, "vectors.json": text})
 
 
@@ -183,7 +183,7 @@ def with_headroom(stage: Stage, run: Experiment) -> Experiment:
     A state that the stage lists as limited on purpose may reach it.
     """
     constants = {s.name: 0.0 for s in (stage.interface.missed_calls,) if s}
-    return headroom.with_headroom(run, compiled_controller(stage, np.float64), stage.limited, constants)
+    return experiments.with_headroom(run, compiled_controller(stage, np.float64), stage.limited, constants)
 
 
 def replay_inputs(stage: Stage, controller: host.Controller) -> Mapping[str, Any]:

@@ -11,7 +11,7 @@ from synth.app import study_jobs, tables, verdicts, workspace
 from synth.app.command_results import run_jobs
 from synth.app.study_jobs import Plan
 from synth.app.tasks import attempt
-from synth.base import store, strict_json
+from synth.base import contents, store
 from synth.base.jobs import Job
 from synth.check import Check
 from synth.declare.stage import Stage
@@ -100,7 +100,7 @@ def _show(
     if as_json:
         verdict = {"checks": [c.document() for c in checks]}
         searched = {"search": vars(worst)} if worst else {}
-        sys.stdout.write(strict_json.dumps(study_table.document(table) | verdict | searched) + "\n")
+        sys.stdout.write(contents.dumps(study_table.document(table) | verdict | searched) + "\n")
         return
     (tables.print_machine if alone else tables.print_study)(name, table)
     tables.print_checks(f"{name}: study", checks)

@@ -16,7 +16,7 @@ from synth.report.audit import Row
 from synth.report.comparison import Side
 from synth.simulate import study as studies
 from synth.simulate.faults import fault_table
-from synth.simulate.faults.fault_rows import Campaign
+from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.study import StudyTable
 from synth.verify import cost as costs
 

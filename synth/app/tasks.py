@@ -20,18 +20,18 @@ from synth.base.progress import Progress, silent
 from synth.check import Check, Incomplete, of_error
 from synth.declare.fault_campaign import FaultCampaign, StudyLimits
 from synth.declare.stage import Stage
-from synth.emit.c import vectors
+from synth.emit.c import manifest
 from synth.emit.write import EmittedCode
 from synth.errors import ContentError
 from synth.execute import compile as host_compiler
 from synth.execute import cross, host
 from synth.report.audit import Row
-from synth.simulate.experiment import Experiment
-from synth.simulate.faults.fault_rows import Campaign
+from synth.simulate.experiments import Experiment
+from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.study import StudyTable
 from synth.verify import standard
 from synth.verify.cost import Cost
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 T = TypeVar("T")
 
@@ -207,7 +207,7 @@ def companion_costs(stage: Stage) -> Task[list[Cost]]:
     def compute(say: Progress) -> list[Cost]:
         emitted = emission(stage, np.float32).result(say)
         codes = [emitted[c.name] for c in companions]
-        recorded = [vectors.inputs(code.files["vectors.json"]) for code in codes]
+        recorded = [manifest.inputs(code.files["vectors.json"]) for code in codes]
         said = progress.each(companions, say, lambda c: f"cost of {c.name}")
         return [meter.of_companion(code, c, u) for code, c, u in zip(codes, said, recorded, strict=True)]
 

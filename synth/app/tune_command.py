@@ -8,7 +8,7 @@ from typing import Any
 
 from synth.app import tables, tune_jobs, tune_search, workspace
 from synth.app.command_results import writer
-from synth.base import progress, store, strict_json
+from synth.base import contents, progress, store
 from synth.declare.tuning import Plan, Tuned
 from synth.report import tuning as report
 
@@ -34,7 +34,7 @@ def tune(name: str, as_json: bool, chosen: TuneChoice) -> int:
     if chosen.report is not None:
         store.replace_text(chosen.report, report.page_text(name, search.tuning, tuned))
     if as_json:
-        sys.stdout.write(strict_json.dumps(document(tuned)) + "\n")
+        sys.stdout.write(contents.dumps(document(tuned)) + "\n")
     else:
         tables.print_tuning(name, search.tuning, tuned)
     return int(not tuned.passed)

@@ -4,7 +4,7 @@
     r = required margin / least margin                of the nominal plant at the operating points
 
 A candidate reaches every goal where no r exceeds 1. Candidates run as variants of the declared controller
-(`build.vary`), without a compilation: with gains at run time one costs 0.1 to 5 s, with C of its own 3 to 60 s.
+(`host.vary`), without a compilation: with gains at run time one costs 0.1 to 5 s, with C of its own 3 to 60 s.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ from synth.base import cache, store
 from synth.declare.stage import Stage
 from synth.declare.tuning import Candidate, Goal, Plan, Tuning
 from synth.errors import ContentError, DesignError, SynthError
-from synth.execute import build
+from synth.execute import host
 from synth.simulate import study
 from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
@@ -78,7 +78,7 @@ def evaluate(search: Search, values: Mapping[str, float]) -> Candidate:
     """Return the goals that the law with these values reaches."""
     try:
         stage = with_values(search.stage, search.tuning, values)
-        variant = build.vary(search.rig.controller, stage.controller.block)
+        variant = host.vary(search.rig.controller, stage.controller.block)
         goals = measure_goals(search, stage, replace(search.rig, stage=stage, controller=variant))
     except SynthError as error:
         return Candidate(dict(values), (), f"{type(error).__name__}: {error}")

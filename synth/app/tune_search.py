@@ -24,7 +24,7 @@ from synth.base.progress import Counted, Display, Progress
 from synth.check import Check
 from synth.declare.tuning import Candidate, Certificate, Tuned
 from synth.errors import DesignError
-from synth.execute import build
+from synth.execute import host
 from synth.verify import standard
 
 WEIGHTS = ((1.0, 1.0), (1.0, 0.5), (0.5, 1.0))  # of the experiments and of the margins
@@ -168,10 +168,10 @@ def certify(of: Search, proposal: Candidate) -> Certificate:
 
     The margins are the least at the operating points, for the nominal plant and at all limits of the tolerances.
 
-    Raises EmitError where the law cannot be proved, and otherwise as `build.compile_block`.
+    Raises EmitError where the law cannot be proved, and otherwise as `host.compile_block`.
     """
     stage = with_values(of.stage, of.tuning, proposal.values)
-    compiled = build.compile_block(stage.controller.block, stage.scalar, error=stage.surrogate_error.get(stage.scalar))
+    compiled = host.compile_block(stage.controller.block, stage.scalar, error=stage.surrogate_error.get(stage.scalar))
     goals = measure_goals(of, stage, replace(of.rig, stage=stage, controller=compiled))
     pairs = zip(proposal.goals, goals, strict=True)
     differing = sum(a.name != b.name or not np.array_equal(a.value, b.value, equal_nan=True) for a, b in pairs)

@@ -27,15 +27,15 @@ from synth.report import first_screen
 from synth.report import study as study_section
 from synth.report.audit import Row, Verdict
 from synth.signals import per_second
-from synth.simulate import headroom
-from synth.simulate.experiment import Experiment
-from synth.simulate.faults import fault_rows, fault_table
-from synth.simulate.faults.fault_rows import Campaign
+from synth.simulate import experiments
+from synth.simulate.experiments import Experiment
+from synth.simulate.faults import fault_table
+from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.integration import LARGEST_ERROR
 from synth.simulate.study import StudyTable, estimate_yield
 from synth.verify import standard
 from synth.verify.cost import SYNTH, Cost
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 YIELD = "yield of the study"
 INTEGRATION = "error of the integration in the study"
@@ -145,16 +145,16 @@ def worst_faults(stage: Stage, campaign: Campaign | None) -> list[Check]:
     """Return the checks of the faults with the worst impacts on a stop, one of each kind, each with its least limit."""
     if campaign is None or not campaign.units:
         return []
-    of_kind: dict[tuple[str, str], fault_rows.Row] = {}
+    of_kind: dict[tuple[str, str], fault_table.Row] = {}
     for row in sorted(campaign.rows, key=partial(fault_table.severity, campaign), reverse=True):
         of_kind.setdefault((row.group, row.kind), row)
     return [_impact(stage, campaign, row) for row in [*of_kind.values()][:SHOWN]]
 
 
-def _impact(stage: Stage, campaign: Campaign, row: fault_rows.Row) -> Check:
+def _impact(stage: Stage, campaign: Campaign, row: fault_table.Row) -> Check:
     stop = fault_table.fastest_stop(campaign, row)
     limits = [l for l in stage.faults.limits if l.measure in ("impact", f"impact_{stop}")]
-    most = min((limit.most for limit in limits if fault_rows.matching(limit, [row])), default=NO_LIMIT)
+    most = min((limit.most for limit in limits if fault_table.matching(limit, [row])), default=NO_LIMIT)
     energy = f", {row.energies[stop]:.2g} J" if stop in row.energies else ""
     about = f"{row.condition}, {row.duration}{energy}"
     name = f"impact of {stop}: {row.target} {row.kind}"
@@ -208,8 +208,8 @@ def requirements(lost: Sequence[Check], evidence: Evidence, runs: Sequence[Exper
         [
             ("", lost),
             *evidence.verdicts.items(),
-            (first_screen.EXPERIMENTS, [c for c in of_runs if c.name == headroom.NAME]),
-            (first_screen.EXPERIMENTS, [c for c in of_runs if c.name != headroom.NAME]),
+            (first_screen.EXPERIMENTS, [c for c in of_runs if c.name == experiments.NAME]),
+            (first_screen.EXPERIMENTS, [c for c in of_runs if c.name != experiments.NAME]),
             (faults_section.TITLE, evidence.faults.checks if evidence.faults else ()),
             (first_screen.VERIFICATION, evidence.checks),
         ]

@@ -7,12 +7,16 @@
     functions                                      their slice, bytecode, defaults and closures
 
 A value of another kind has no digest.
+
+Strict JSON (RFC 8259): null for the numbers that JSON does not have, infinities and NaN.
 """
 
 import dataclasses
 import functools
 import hashlib
 import inspect
+import json
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
@@ -27,6 +31,20 @@ import numpy as np
 
 from synth.base import slices
 from synth.errors import ContentError
+
+
+def dumps(document: Any) -> str:
+    """Return a document as JSON with null for a number that JSON does not have."""
+    return json.dumps(_finite(document), indent=1, allow_nan=False)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
 
 _NUMBERS = (float, int, bool, type(None))
 

@@ -6,6 +6,14 @@ A row of an array is one vector: the values of a signal in all lanes. Every valu
 that the program for a single machine has, in the same order and in the same type, so the bits are the same. A choice
 evaluates both arms and selects; counters have the width of the scalar type. The constants of a step are read from an
 array: controllers that differ in their gains alone share one compiled step.
+
+Horner's rule for several variables at once: superword parallelism within the program of one machine.
+
+    v_j = c_0 + t_j (c_1 + t_j (c_2 + ...)),   j = 1 .. m     one vector of m variables, the same coefficients
+
+Chains of fused products with the same coefficients, and of which none needs the other, form a group. Each lane of the
+vector goes through the operations of its chain, so the bits are the same. Larsen and Amarasinghe, Exploiting Superword
+Level Parallelism with Multimedia Instruction Sets, PLDI 2000.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,12 +21,93 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synth.emit import lane_chains
 from synth.emit.c.expressions import literal
-from synth.emit.lane_chains import Group
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LIBM
-from synth.emit.proof.kinds import kinds
+from synth.emit.proof.ranges import kinds
+
+WIDTHS = (2, 4, 8)  # doubles in a vector
+
+
+@dataclass(frozen=True)
+class Chain:
+    """v = fma(t, ... fma(t, terms[0], terms[1]) ..., terms[-1]): the nodes of t, of the terms, and of v."""
+
+    variable: int
+    terms: tuple[int, ...]
+    value: int
+
+
+Group = tuple[Chain, ...]
+
+
+def groups(program: Program) -> list[Group]:
+    """Return the groups of two to eight chains."""
+    chains, levels = _chains(program), _levels(program)
+    alike: dict[tuple[int, tuple[int, ...]], list[Chain]] = {}
+    for chain in chains:
+        alike.setdefault((levels[chain.value], chain.terms), []).append(chain)
+    parts = [tuple(each[k : k + WIDTHS[-1]]) for each in alike.values() for k in range(0, len(each), WIDTHS[-1])]
+    return [part for part in parts if len(part) > 1]
+
+
+def schedule(program: Program) -> list[int | Group]:
+    """Return the nodes and groups of a memoryless function in an order of computation: each after all that it needs."""
+    group_of = {chain.value: group for group in groups(program) for chain in group}
+    order: list[int | Group] = []
+    done = set[int]()
+    waiting = [*program.outputs.values()]
+    while waiting:
+        k = waiting[-1]
+        group = group_of.get(k)
+        needs = program.nodes[k].args if group is None else {a for c in group for a in (c.variable, *c.terms)}
+        missing = [a for a in needs if a not in done]
+        waiting += missing
+        if not missing:
+            waiting.pop()
+        if not missing and k not in done:
+            order.append(k if group is None else group)
+            done |= {k} if group is None else {chain.value for chain in group}
+    return order
+
+
+def _chains(program: Program) -> list[Chain]:
+    """Return the longest chains of at least two fused products whose inner values nothing else reads."""
+    users, chains = program.users(), dict[int, Chain]()
+    for k, node in enumerate(program.nodes):
+        if node.op != "fma":
+            continue
+        t, a, c = node.args
+        before = chains.get(a)
+        if before is not None and before.variable == t and users[a] == [k] and a not in program.outputs.values():
+            del chains[a]
+            chains[k] = Chain(t, (*before.terms, c), k)
+        else:
+            chains[k] = Chain(t, (a, c), k)
+    return [chain for chain in chains.values() if len(chain.terms) > 2]
+
+
+def _levels(program: Program) -> list[int]:
+    """Return for each node the largest number of fused products on a path to it; it grows along every path."""
+    levels: list[int] = []
+    for node in program.nodes:
+        levels.append((node.op == "fma") + max((levels[a] for a in node.args), default=0))
+    return levels
+
+
+def lines(group: Group, number: int, terms: Sequence[str]) -> list[str]:
+    """Return the C of a group for one machine, with the `number` in its names; `terms` are doubles in C."""
+    width = next(w for w in WIDTHS if w >= len(group))
+    variables = [f"n{chain.variable}[0]" for chain in group]
+    v, t, q = f"vd{width}", f"t{number}", f"q{number}"
+    steps = [f"{q} = {v}_fma({t}, {q}, {v}_all({c}));" for c in terms[1:]]
+    return [
+        f"const {v} {t} = {{{', '.join(variables + variables[:1] * (width - len(group)))}}};",
+        f"{v} {q} = {v}_all({terms[0]});",
+        *steps,
+        *(f"const vd n{chain.value} = {{{q}[{j}]}};" for j, chain in enumerate(group)),
+    ]
+
 
 TYPES: Mapping[type[np.floating], tuple[str, str, str]] = {
     np.float32: ("vf", "vuf", "vmf"),  # reals, counters, truth values
@@ -115,9 +204,9 @@ def step(name: str, program: Program, rows: Rows, scalar: type[np.floating]) -> 
 def function(name: str, program: Program, rows: Rows, lanes: int) -> str:
     """Return the C of a memoryless function of states, inputs and parameters, in double.
 
-    For one lane the vectors hold several polynomials of the function, see `lane_chains`.
+    For one lane the vectors hold several polynomials of the function.
     """
-    order = lane_chains.schedule(program) if lanes == 1 else None
+    order = schedule(program) if lanes == 1 else None
     lines = _Lanes(program, rows, np.float64, order)
     stores = [f"out[{i}] = {lines.real(program.outputs[n])};" for i, n in enumerate(rows.outputs)]
     return _function(
@@ -192,7 +281,7 @@ class _Lanes:
         terms = [
             literal(nodes[k].value, self.scalar).c if nodes[k].op == "literal" else f"n{k}[0]" for k in group[0].terms
         ]
-        return lane_chains.lines(group, number, terms)
+        return lines(group, number, terms)
 
     def real(self, k: int) -> str:
         """Return node k as a number of the scalar type."""

@@ -3,19 +3,19 @@
     ranges.bounds                  declared range of each load
     lower.program                  CasADi expressions to nodes in SSA form, common subexpression elimination
     fold.folded                    constant folding, algebraic simplification, shared reciprocals
-    flags.simplified               truth values: sums and choices of 0 and 1 become logic
-    fault_bits.gather              bits that one side of a condition sets are set on that side
+    fault_flags.simplified               truth values: sums and choices of 0 and 1 become logic
+    fault_flags.gather              bits that one side of a condition sets are set on that side
     safe.require_safe              proof on the program as written: no division by 0, no argument outside a domain
     replace.replace_functions      surrogates: minimax polynomials for functions of one variable
-    limits.without_idle            dead limits by range analysis
+    guards.without_idle            dead limits by range analysis
     fold.with_constant_products    products of named constants
-    limits.without_certified_limits dead limits by a certificate
+    guards.without_certified_limits dead limits by a certificate
     safe, ranges, kinds            the same proof on the result; next states and outputs stay in their declared ranges
     guards.guarded                 the guard of an input becomes one call
-    slews.slewed                   a rate limit becomes one call
-    numbers.with_numbers           a literal that a Block declares becomes a constant with a name
+    guards.slewed                   a rate limit becomes one call
+    grouping.with_numbers           a literal that a Block declares becomes a constant with a name
     equations.by_block             equations of the composed expressions, for the comments
-    outline.alike, calls.outlined  Blocks that are one program but for names and numbers become calls of one function
+    outline.alike, sections.outlined  Blocks that are one program but for names and numbers become calls of one function
 
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """
@@ -30,17 +30,17 @@ import numpy as np
 
 from synth.base import cache
 from synth.block import Block, Constant
-from synth.emit.c import c_text, calls, equations, header, printer
+from synth.emit.c import c_text, equations, header, printer, sections
 from synth.emit.c import lines as wrapping
 from synth.emit.c.routine import Group
-from synth.emit.passes import fault_bits, flags, fold, guards, limits, numbers, schedule, slews, surrogates
+from synth.emit.passes import fault_flags, fold, grouping, guards, schedule, surrogates
 from synth.emit.passes import outline as alike
-from synth.emit.passes.statements import Statement
+from synth.emit.passes.outline import Statement
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program import layout, lower
 from synth.emit.program.layout import Layout
 from synth.emit.program.lower import Program
-from synth.emit.proof import kinds, ranges, safe
+from synth.emit.proof import ranges, safe
 from synth.signals import product_unit
 
 CERTAIN = 24  # operations that calls do not print again: more lines than a function and its calls need
@@ -76,7 +76,7 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
 class Source:
     """The lines of <name>.c and what header, manifest and cost are made of.
 
-    `program` is the printed program with its calls, `reduced` the one before them. `numbers` are the constants that
+    `program` is the printed program with its calls, `reduced` the one before them. `grouping` are the constants that
     printing has named, and `of_plant` all that the program reads and that follow from parameters of the plant.
     """
 
@@ -114,23 +114,23 @@ def _run_passes(
     """Return the constants, program, surrogates and composed program of a Reduced: its data, which can be cached."""
     bounds = ranges.bounds(block, scalar)
     program = lower.program(block)
-    program = flags.simplified(fold.folded(program))
-    composed = _without_certificates(limits.without_idle(program, bounds, scalar))
-    program = fault_bits.gather(program)
+    program = fault_flags.simplified(fold.folded(program))
+    composed = _without_certificates(guards.without_idle(program, bounds, scalar))
+    program = fault_flags.gather(program)
     proved = ranges.analyse(program, bounds, scalar)
     safe.require_safe(program, proved, block, scalar)
     polynomials: tuple[Surrogate, ...] = ()
     if not libm:
         program, polynomials = surrogates.replace_functions(program, proved, scalar, error)
-    program = limits.without_idle(program, bounds, scalar)
+    program = guards.without_idle(program, bounds, scalar)
     program = fold.with_constant_products(program)
-    program = limits.without_certified_limits(program, polynomials, scalar)
+    program = guards.without_certified_limits(program, polynomials, scalar)
     block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
     proved = ranges.analyse(program, ranges.bounds(block, scalar), scalar)
     narrowed = safe.require_safe(program, proved, block, scalar)
     ranges.require_inductive(program, proved, block, scalar)
     safe.require_output_ranges(program, narrowed, block, scalar)
-    kinds.require_whole(program, proved)
+    ranges.require_whole(program, proved)
     return block.constants, _without_certificates(program), polynomials, composed
 
 
@@ -143,8 +143,8 @@ def _outline(reduced: Reduced, scalar: type[np.floating]) -> "_Printed":
 
     Each result of a call beyond the first, which passes through a struct in memory, must save a line more.
     """
-    program, block = numbers.with_numbers(slews.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
-    composed, _ = numbers.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
+    program, block = grouping.with_numbers(guards.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
+    composed, _ = grouping.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
     reduced = replace(reduced, block=block)
     groups = alike.alike(program)
     kept = _print(reduced, program, groups, scalar)
@@ -178,8 +178,8 @@ class _Printed(NamedTuple):
 
 def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: type[np.floating]) -> _Printed:
     values = {c.name: c.value for c in reduced.block.constants}
-    made = replace(reduced, program=calls.outlined(program, values, groups))
-    memory = layout.layout(made.block, scalar, calls.owners(made.program))
+    made = replace(reduced, program=sections.outlined(program, values, groups))
+    memory = layout.layout(made.block, scalar, sections.owners(made.program))
     text, statements = header.header(made.block, memory, made.program), schedule.statements(made.program)
     rows = [*(line.text for line in source(made, memory, statements)), *text.splitlines()]
     code = [*filter(_is_code, rows)]

@@ -4,20 +4,24 @@
 
 The manifest states the layout of each struct; compile-time assertions confirm it. Bits pass unchanged: a float32 array
 for a float member is copied, which preserves the payload of a NaN.
+
+Build a controller from a Block: emit its C, compile it and load it, in one call.
 """
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth.block import Block
-from synth.errors import DesignError, SignalError
+from synth.emit import write
+from synth.errors import DesignError, SignalError, WiringError
 from synth.execute import compile as host_compiler
-from synth.execute import struct_layout
+from synth.execute import elf
+from synth.signals import signal_names
 
 Records = NDArray[np.void]
 Columns = dict[str, NDArray[Any]]
@@ -78,7 +82,7 @@ class Controller:
     `inputs`, `outputs` and `state` are the structs as NumPy dtypes. A state is a record of shape (), owned by the
     caller: `state = controller.init(); state["xi"] = 0.5`. `source` is what the C was emitted from, where it is known.
 
-    `base` is set for a variant, whose `source` is another Block with the same signals (`build.vary`): it runs in lanes
+    `base` is set for a variant, whose `source` is another Block with the same signals (`vary`): it runs in lanes
     alone, since the C is that of the base.
     """
 
@@ -267,8 +271,44 @@ def _prototype(library: ctypes.CDLL, name: str, *arguments: type) -> Any:
 def _glue(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
     structs = manifest["structs"]
     return _GLUE.format(
-        layout=struct_layout.assertions(files, manifest),
+        layout=elf.assertions(files, manifest),
         init=manifest["functions"]["init"],
         step=manifest["functions"]["step"],
         **{role: structs[role]["type"] for role in structs},
     )
+
+
+def compile_block(
+    block: Block,
+    scalar: type[np.floating] = np.float32,
+    *,
+    error: float | None = None,
+    libm: bool = False,
+) -> Controller:
+    """Return the emitted C of a Block in a scalar type, compiled and loaded; arguments are those of `write.emit`.
+
+    Raises EmitError as `write.emit`, and CompileError as `load`.
+    """
+    emitted = write.emit(block, scalar, libm=libm, error=error)
+    loaded = load(emitted.files, emitted.manifest)
+    return replace(loaded, source=Source(block, libm, error))
+
+
+def vary(base: Controller, block: Block) -> Controller:
+    """Return a variant of a controller, such as one with other gains, that runs in lanes without a compilation of C.
+
+    Raises WiringError for a base whose Block is not known, and for a Block with other signals or initial states.
+    """
+    if base.source is None:
+        raise WiringError(f"controller '{base.manifest['design']}' has no Block: make it with build.compile_block")
+    if _interface(block) != _interface(base.source.block):
+        raise WiringError(
+            f"the variant of controller '{base.manifest['design']}' has other signals, states or initial values: "
+            "a variant may differ in gains, bounds and equations alone"
+        )
+    return replace(base, source=base.source._replace(block=block), base=base.base or base)
+
+
+def _interface(block: Block) -> tuple[object, ...]:
+    states = tuple((s.name, s.initial, s.integer) for s in block.states)
+    return block.name, block.time, signal_names(block.inputs), signal_names(block.outputs), states

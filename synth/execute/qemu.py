@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from synth.errors import CompileError, SynthError
 from synth.execute import compile as host_compiler
-from synth.execute import cross, host, struct_layout
+from synth.execute import cross, elf, host
 
 _EMULATOR = "qemu-system-arm"
 _MACHINES = {"cortex-m4f": "mps2-an386", "cortex-m7": "mps2-an500"}
@@ -102,7 +102,7 @@ def load(
     startup = resources.files("synth.execute").joinpath("qemu.c").read_text(encoding="utf-8")
     sources = host.code(files)
     support_files = {
-        "synth_layout.c": struct_layout.assertions(files, manifest),
+        "synth_layout.c": elf.assertions(files, manifest),
         "synth_qemu.c": startup,
         "contract.h": _contract(sources, manifest),
         "synth_mps2.ld": _MEMORY,

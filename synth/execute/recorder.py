@@ -2,22 +2,45 @@
 
 The emulator calls its code hook after it has tested the condition of an IT block, so the record lacks instructions that
 are predicated false. It contains every conditional branch, taken or not. `trace` restores the missing instructions.
+
+State trajectory of emitted C: x_0 from `init`, x_{k+1} = step(x_k, u_k).
 """
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from unicorn import UC_HOOK_CODE, Uc, UcError, arm_const
 from unicorn.unicorn_py3.unicorn import uclib
 
 from synth.errors import SynthError
 from synth.execute import compile as host_compiler
+from synth.execute import host
+from synth.execute.host import Records
+
+
+def states(controller: host.Controller, inputs: Mapping[str, ArrayLike]) -> Records:
+    """Return the states x_0 .. x_N (N + 1,) from `init`, under input columns (N,) or constants.
+
+    Raises SignalError as `host.Controller.replay`.
+    """
+    n = host.length(inputs)
+    input_records = controller.records(inputs, n)
+    states, outputs = np.zeros(n + 1, controller.state), np.zeros((), controller.outputs)
+    states[0] = controller.init()
+    step = ctypes.CFUNCTYPE(ctypes.c_uint32, *[ctypes.c_void_p] * 3)(controller.step_address)
+    state_address, size = states.ctypes.data, states.itemsize
+    input_address, width = input_records.ctypes.data, input_records.itemsize
+    for k in range(n):
+        states[k + 1] = states[k]
+        step(state_address + (k + 1) * size, input_address + k * width, outputs.ctypes.data)
+    return states
+
 
 CAPACITY = 1 << 20
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth.execute import cross, elf, host, struct_layout
+from synth.execute import cross, elf, host
 from synth.execute.image import Cost, Image, boot
 
 
@@ -105,7 +105,7 @@ def load(
     """
     dtypes = {role: host.dtype(role, manifest) for role in ("input", "output", "state")}
     code = host.code(files)
-    sources = {**code, "synth_layout.c": struct_layout.assertions(files, manifest)}
+    sources = {**code, "synth_layout.c": elf.assertions(files, manifest)}
     entries = [manifest["functions"][name] for name in ("step", "init")]
     program, step_program = (  # the second one is without init, and shows which functions belong to a step
         elf.read(cross.link(sources, kept_functions, core, compiler, flags))

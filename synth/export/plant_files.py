@@ -5,7 +5,7 @@ from typing import Any
 
 import casadi as ca
 
-from synth.emit.c import casadi_c
+from synth.emit.c import c_text
 from synth.simulate.rig import Rig
 
 REST_CHANGE = 1e-3  # of a sensor's range: movement at rest; at least that of its resolution and noise
@@ -20,7 +20,7 @@ def model(rig: Rig) -> tuple[dict[str, str], dict[str, int]]:
         "iw": max(1, *(f.sz_iw() for f in functions)),
         "w": max(1, *(f.sz_w() for f in functions)),
     }
-    return casadi_c.functions(functions, "plant_model"), sizes
+    return c_text.functions(functions, "plant_model"), sizes
 
 
 def _dense(f: ca.Function, name: str) -> ca.Function:

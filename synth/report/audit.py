@@ -9,7 +9,7 @@ A row compares recomputed values v_i with the numbers that a paper prints. The v
 A value v agrees with a printed number when |v - printed| is below one unit of the last printed digit. Both rounding and
 truncation therefore count as agreement.
 
-An audit is a file published.toml with the printed values, the rule of each verdict, and formulas (`formulas`) that
+An audit is a file published.toml with the printed values, the rule of each verdict, and formulas that
 recompute each row from parameters, printed numbers and functions of a `Scope`. In a formula a printed number denotes
 its value, in a verdict the `Printed` object:
 
@@ -17,21 +17,106 @@ its value, in a verdict the `Printed` object:
     stiffness = "mass * F-2.rate ** 2"
     frequency = ["sqrt(stiffness / mass) / (2 * pi)", "Hz", "frequency of the free stage"]
     as_printed = "F-1.frequency.agrees(frequency)"
+
+Formulas of an audit: expressions of parameters, printed numbers, functions and preceding values.
+
+    turns / Y-1.turn_density          a parameter divided by the number turn_density that row Y-1 prints
+    sqrt(K_theta / Kz)                a function of FUNCTIONS, or one that the audit adds
+
+An expression is a Python expression without comprehensions. The dependencies of a value follow from the names in its
+expression and are not declared separately.
 """
 
+import ast
 import math
+import re
 import tomllib
+from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
 from enum import StrEnum
+from functools import cache
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 from synth.errors import DesignError
-from synth.report import formulas
-from synth.report.formulas import Formula
+
+
+def is_close(value: float, relative: float, *others: float) -> bool:
+    """Return whether a value differs from each of the others by less than the fraction `relative`."""
+    return all(abs(value / other - 1) < relative for other in others)
+
+
+_OF_MATH = ("asin", "cos", "degrees", "exp", "floor", "log", "log10", "pi", "sin", "sqrt")
+FUNCTIONS: Mapping[str, Any] = {
+    **{f.__name__: f for f in (abs, all, any, dict, len, max, min, is_close, round)},
+    **{name: getattr(math, name) for name in _OF_MATH},
+}
+_PRINTED = re.compile(r"\b([A-Z]+-\w+\.\w+)")
+
+
+@dataclass(frozen=True)
+class Formula:
+    """An expression; with a displayed name `what` and a unit it is a figure of the audit."""
+
+    text: str
+    unit: str = ""
+    what: str = ""
+
+    @property
+    def identifiers(self) -> frozenset[str]:
+        """Names in the expression: parameters, functions, other values and printed numbers such as F-1.mass."""
+        tree = ast.parse(_PRINTED.sub("printed", self.text), mode="eval")
+        return frozenset(_PRINTED.findall(self.text)) | {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+
+    def value(self, names: Mapping[str, Any], printed: Mapping[str, Any]) -> Any:
+        """Return the value for names and printed numbers by "F-1.mass".
+
+        Raises DesignError for an unknown name, a number that is not printed, and text that is not an expression.
+        """
+        if absent := [source for source in _PRINTED.findall(self.text) if source not in printed]:
+            raise DesignError(
+                f"the formula '{self.text}' names {absent[0]}, which is not printed: use one of {', '.join(printed)}"
+            )
+        known = ChainMap({"printed": printed}, dict(names), dict(FUNCTIONS))
+        try:
+            return eval(_code(self.text), {"__builtins__": {}}, known)
+        except NameError as cause:
+            raise DesignError(
+                f"the formula '{self.text}' names '{cause.name}', which is neither a value above it nor a parameter: "
+                f"use one of {', '.join(known)}"
+            ) from cause
+
+
+@cache
+def _code(text: str) -> CodeType:
+    """Compile an expression, with F-1.mass replaced by printed["F-1.mass"]."""
+    try:
+        return compile(_PRINTED.sub(r'printed["\1"]', text), text, "eval")
+    except SyntaxError as cause:
+        raise DesignError(f"the formula '{text}' is not an expression: {cause.msg}; mend it") from cause
+
+
+def evaluate(formulas: Mapping[str, Formula], names: Mapping[str, Any], printed: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of formulas by name; each may use the preceding ones.
+
+    Raises DesignError as `Formula.value`.
+    """
+    values: dict[str, Any] = {}
+    for name, formula in formulas.items():
+        values[name] = formula.value(ChainMap(values, dict(names)), printed)
+    return values
+
+
+def sources(formulas: Mapping[str, Formula]) -> frozenset[str]:
+    """Return the names that the figures among the formulas depend on, directly or through other values."""
+    reached: dict[str, frozenset[str]] = {}
+    for name, formula in formulas.items():
+        reached[name] = frozenset().union(*(reached.get(n, {n}) for n in formula.identifiers))
+    return frozenset().union(*(reached[name] for name, formula in formulas.items() if formula.what))
+
 
 VERDICTS = ("as_printed", "corrected")  # the formulas of a row that decide whether its values agree with the print
 
@@ -155,16 +240,16 @@ def functions(*modules: ModuleType) -> dict[str, Any]:
 def recompute(printed: Published, scope: Scope) -> Row:
     """Recompute a row by its formulas.
 
-    Raises DesignError as `formulas.evaluate`.
+    Raises DesignError as `evaluate`.
     """
     numbers = {f"{id}.{n}": number for id, each in scope.published.items() for n, number in each.numbers.items()}
     of_values = {name: f for name, f in printed.computed.items() if name not in VERDICTS}
     names = {**scope.functions, **scope.parameters}
-    values = formulas.evaluate(of_values, names, {source: number.value for source, number in numbers.items()})
+    values = evaluate(of_values, names, {source: number.value for source, number in numbers.items()})
     statements = (printed.computed.get(name, Formula("False")) for name in VERDICTS)
     verdict = judge(*(bool(statement.value(names | values, numbers)) for statement in statements))
     figures = [(f.what, values[name], f.unit) for name, f in of_values.items() if f.what]
-    depends = formulas.sources(of_values) & {*scope.parameters, *numbers}
+    depends = sources(of_values) & {*scope.parameters, *numbers}
     return row(printed, figures, verdict, printed.rule, sorted(depends))
 
 

@@ -3,9 +3,14 @@
 gain      20 log10 |L|
 phase     arg L, unwrapped: a pole on the axis reduces it by 180 degrees; in (-360, 0] at the highest gain crossing
 |S|       20 log10 |S|; the maximum of |S| is Ms, the inverse of the modulus margin
+
+Plots of loops with several channels: singular values of L, S and T, and disk margins, over frequency in Hz.
+
+L is the open loop with negative feedback, S = (1 + L)^-1 and T = L (1 + L)^-1; see Skogestad and Postlethwaite,
+chapter 3, and MATLAB `sigma`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,14 +18,72 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullFormatter
+from numpy.typing import ArrayLike
 
 from synth.analyse import plots
 from synth.analyse.loops import stability_margins
+from synth.analyse.loops.disk import DiskMargin
 from synth.analyse.loops.stability_margins import Margins
 from synth.errors import SignalError
+from synth.report import maps
 from synth.report.figures import COLOURS, place_axes, style_context
-from synth.statespace import Array, Complex, StateSpace
-from synth.timing import Discrete
+from synth.report.maps import Chart, Line
+from synth.statespace import Array, Complex, StateSpace, readonly
+from synth.timing import Discrete, period
+
+# Limits of the axes; the upper one rises with the peak of S and T.
+GAIN_DECIBELS = {"L": (-60.0, 60.0), "S": (-40.0, 15.0), "T": (-40.0, 15.0)}
+LINES = ("-", "--", ":")
+HERTZ = "frequency, Hz"
+MIN_FREQUENCY = 1.0  # rad/s, lower limit of the disk margins
+
+
+@dataclass(frozen=True, eq=False)
+class Singular:
+    """Singular values (N, p) of L, S and T, descending, at frequencies (N,) in rad/s."""
+
+    frequency: Array
+    L: Array
+    S: Array
+    T: Array
+
+
+def singular(L: StateSpace, frequency: ArrayLike) -> Singular:
+    """Return the singular values of a sampled loop L and of its S and T."""
+    w = readonly(np.asarray(frequency, dtype=np.float64))
+    response = L.response(np.exp(1j * w * period(L.time)))
+    one = np.eye(response.shape[1])
+    S = np.linalg.inv(one + response)
+    return Singular(w, *(readonly(np.linalg.svd(m, compute_uv=False)) for m in (response, S, one - S)))
+
+
+def singular_values(loops: Mapping[str, Singular]) -> Figure:
+    """Draw the singular values of L, S and T, one colour per loop."""
+    panels = []
+    for letter, (low, high) in GAIN_DECIBELS.items():
+        levels = {label: 20 * np.log10(getattr(each, letter)) for label, each in loops.items()}
+        highest = max(float(level.max()) for level in levels.values())
+        lines = [
+            Line(loops[label].frequency / (2 * np.pi), column, "" if k else label, {"color": colour, "ls": style})
+            for (label, level), colour, style in zip(levels.items(), COLOURS, LINES, strict=False)
+            for k, column in enumerate(level.T)
+        ]
+        limits = {"ylim": (low, high if letter == "L" else max(high, 5 * np.ceil(highest / 5)))}
+        title = f"singular values of {letter}, dB"
+        panels.append(Chart(lines, HERTZ, "", title, (0.0,), log="x", legend="figure", options=limits))
+    return maps.draw(panels, 3.8)
+
+
+def disks(margins: Mapping[str, DiskMargin]) -> Figure:
+    """Draw the disk margins of each loop-breaking point; different widths keep coincident curves visible."""
+    lines = []
+    for (label, each), colour, width in zip(margins.items(), COLOURS, (3.0, 1.2, 1.2), strict=False):
+        inside = (each.frequencies > MIN_FREQUENCY) & np.isfinite(each.frequencies)
+        style = {"color": colour, "lw": width}
+        lines.append(Line(each.frequencies[inside] / (2 * np.pi), each.curve[inside], label, style))
+    options = {"ylim": (0.0, 2.5)}
+    return maps.draw([Chart(lines, HERTZ, "disk margin α", log="x", legend="lower left", options=options)], 2.8)
+
 
 DECIBELS = (-60.0, 80.0)  # limits of the axis; the poles of an internal model are infinitely high
 LOWEST_PHASE = -540.0  # degrees

@@ -3,7 +3,7 @@
 from synth.report import page
 from synth.report.page import Section
 from synth.simulate.faults import fault_table
-from synth.simulate.faults.fault_rows import Campaign
+from synth.simulate.faults.fault_table import Campaign
 
 TITLE = "What faults do to the machine"
 ABOUT = (

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth.analyse.plots import COLOURS, style_context
 from synth.errors import SignalError
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.statespace import Array
 
 Window = tuple[float, float]

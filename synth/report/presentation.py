@@ -10,9 +10,9 @@ from synth.fault import LATCH_BIT
 from synth.report import figures, page
 from synth.report.audit import Row
 from synth.report.notation import readable
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 
-HEADROOM = "largest |state| / bound"  # how the figure and the check of `simulate.headroom` begin
+HEADROOM = "largest |state| / bound"  # how the figure and the check of `simulate.experiments` begin
 # by experiment: rows of the audit, and figures of the source
 PublishedFigures = Mapping[str, Sequence[tuple[str, str]]]
 MICRO_UNITS = {unit: shown for unit, (shown, _) in figures.MICRO_UNITS.items()}

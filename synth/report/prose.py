@@ -6,18 +6,27 @@
     $k_s_phi$        a name, typeset as in equations
 
 The caller places the text before the first title. HTML is shown as text, and images are disabled.
+
+Captions of figures and tables as data (report.toml), combined with computed drawings and rows.
+
+[blocks."accuracy.places"]         a drawing of this name is a figure, rows of this name are a table
+caption = "Sensors, in pitches of {{ pitch_mm:.1f }} mm."      placeholders as in report.md
+published = "Fig. 3: ..."          of a figure: content of the corresponding figure in the source
+columns = ["layout", "X, µm"]      of a table; `digits` gives the significant digits, default 4
 """
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from markdown_it import MarkdownIt
 from markupsafe import Markup
+from matplotlib.figure import Figure
 
 from synth.errors import DesignError
-from synth.report import page
-from synth.report.equations import glyphs
+from synth.report import figures, page
+from synth.report.equations import mathml
 from synth.report.notation import number
 from synth.report.page import Section
 
@@ -120,7 +129,7 @@ def render_markdown(text: str) -> page.Prose:
         MarkdownIt("commonmark", {"html": False, "typographer": False}).enable("table").disable(["image", "lheading"])
     )
     html = markdown.render(_NAME.sub(f"{_OPEN}\\1{_CLOSE}", text))
-    return page.Prose(Markup(re.sub(f"{_OPEN}(.*?){_CLOSE}", lambda m: glyphs.symbol(m[1]), html)))
+    return page.Prose(Markup(re.sub(f"{_OPEN}(.*?){_CLOSE}", lambda m: mathml.symbol(m[1]), html)))
 
 
 def _value(name: str, values: Mapping[str, Value]) -> Value:
@@ -154,3 +163,27 @@ def _plain(match: re.Match[str], values: Mapping[str, Value]) -> str:
             f"report.md writes {{{{ {name}:{format_spec} }}}} of {value!r}, {error}: use a format that suits"
         ) from error
     return text if isinstance(value, str) else text.replace("-", "−")
+
+
+Rows = Sequence[Sequence[page.Cell]]
+Content = Value | Figure | Rows
+
+
+def with_captions(values: Mapping[str, Content], described: Mapping[str, Any]) -> dict[str, Value]:
+    """Return values for report.md: drawings and rows with their captions, other values unchanged.
+
+    Raises DesignError for a drawing or rows without a description, and as `fill_placeholders`.
+    """
+    return {name: _block(name, each, described, values) for name, each in values.items()}
+
+
+def _block(name: str, each: Content, described: Mapping[str, Any], values: Mapping[str, Any]) -> Value:
+    if not isinstance(each, Figure | list | tuple):
+        return each  # type: ignore[return-value]
+    if name not in described:
+        raise DesignError(f"'{name}' has no caption: describe it in report.toml as [blocks.\"{name}\"]")
+    words = described[name]
+    caption = fill_placeholders(words["caption"], values)
+    if isinstance(each, Figure):
+        return page.Figure(figures.svg(each, name.replace(".", "-")), caption, words.get("published", ""))
+    return page.Table(caption, tuple(words["columns"]), tuple(map(tuple, each)), words.get("digits", 4))

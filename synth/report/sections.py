@@ -10,10 +10,10 @@ from synth.analyse.loops.stability_margins import Margins
 from synth.plant import Plant
 from synth.report import bode, figures, first_screen
 from synth.report.audit import Row
-from synth.report.equations.glyphs import symbol
+from synth.report.equations.mathml import symbol
 from synth.report.notation import number, readable
 from synth.report.page import Cell, Checks, Figure, Section, Table, Text
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.verify.agree import Agreement
 from synth.verify.cost import NOTE, Cost, tables
 

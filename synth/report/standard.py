@@ -26,10 +26,10 @@ from synth.report.notation import number
 from synth.report.page import Section
 from synth.report.presentation import HEADROOM, Shown, by_channel, in_fine_units, window, with_units
 from synth.signals import Signal
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.statespace import StateSpace
 from synth.timing import Discrete
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 MODEL, LAW, GAINS, FILES = "Model", "Control law", "Gains and certificates", "Files"
 WITNESSES = (

@@ -25,9 +25,9 @@ from synth.report.equations.derive import NamedTerms
 from synth.report.page import Section
 from synth.report.presentation import Shown
 from synth.report.prose import Value
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.verify.cost import Cost
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 FLOOR = "the largest magnitude in the output's range"
 

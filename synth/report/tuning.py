@@ -62,8 +62,8 @@ def section(tuning: Tuning, tuned: Tuned) -> Section:
 
 
 def _front(tuned: Tuned) -> str:
-    from synth.report import charts, figures  # matplotlib takes longer to import than all else together
-    from synth.report.charts import Chart, Line
+    from synth.report import figures, maps
+    from synth.report.maps import Chart, Line
 
     def points(candidates: tuple[Candidate, ...], label: str, marker: str) -> Line:
         style = {"ls": "", "marker": marker}
@@ -75,7 +75,7 @@ def _front(tuned: Tuned) -> str:
         points((tuned.proposal,), "proposed", "x"),
     ]
     chart = Chart(lines, "largest ratio of the experiments", "largest ratio of the margins", levels=(1.0,))
-    return figures.svg(charts.draw([chart], 3.0), "front")
+    return figures.svg(maps.draw([chart], 3.0), "front")
 
 
 def page_text(name: str, tuning: Tuning, tuned: Tuned) -> str:

@@ -14,9 +14,8 @@ from synth.errors import SignalError, WiringError
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension
-from synth.simulate import forcing
-from synth.simulate.scenario import Array, Scenario
-from synth.simulate.sensors import Analogue, Encoder
+from synth.simulate import conditions
+from synth.simulate.scenario import Analogue, Array, Encoder, Scenario
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -126,7 +125,7 @@ def actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenari
     return {
         "command_offset": np.array([_offset(controller.outputs, c) for c in commands], dtype=np.int64),
         "mixing": np.array([[rows.get(u, {}).get(c, 0.0) for c in commands] for u in inputs], dtype=np.float64),
-        "forcing": forcing.columns(inputs, scenario, time),
+        "forcing": conditions.columns(inputs, scenario, time),
         "waiting": np.tile(hold, (max(scenario.delay, 1), 1)),
     }
 

@@ -9,7 +9,7 @@ from importlib import resources
 import casadi as ca
 
 from synth.base import store
-from synth.emit.c import casadi_c
+from synth.emit.c import c_text
 from synth.errors import WiringError
 from synth.execute import compile as host_compiler
 from synth.plant import Plant
@@ -52,7 +52,7 @@ def _compile(
         if shapes != [(n, 1), (1, 1), (n, 1)]:
             raise WiringError(f"disturbance has arguments and result of {shapes}: need (x, t) of {(n, 1)}, (1, 1)")
         functions.append(_with_dense_results(disturbance, "synth_plant_disturbance"))
-    sources = {"closed_loop.c": _LOOP_C, "plant.h": _header(functions), **casadi_c.functions(functions, "plant")}
+    sources = {"closed_loop.c": _LOOP_C, "plant.h": _header(functions), **c_text.functions(functions, "plant")}
     library = ctypes.CDLL(str(host_compiler.shared_library(sources, flags)))
     return ctypes.CFUNCTYPE(None, ctypes.c_void_p)(("synth_closed_loop", library))
 

@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from synth.declare.stage import Stage
-from synth.execute import build, host
+from synth.execute import host
 from synth.plant import Plant
 from synth.simulate import closed_loop, faulty
 from synth.simulate import drive as drives
-from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
-from synth.simulate.sensors import Encoder
+from synth.simulate.scenario import Array, Encoder, Scenario, Trajectory, sample_times
 
 Wires = Mapping[str, str | Mapping[str, float]]
 DITHER = 1e-4  # of the declared noise, of an ideal sensor
@@ -50,7 +49,7 @@ def of_stage(stage: Stage, controller: host.Controller) -> "Rig":
 @lru_cache(maxsize=8)
 def _compile_drive(stage: Stage, scalar: str) -> tuple[host.Controller, ...]:
     kind, blocks = np.float32 if scalar == "float32" else np.float64, stage.drive.blocks if stage.drive else ()
-    return tuple(build.compile_block(block, kind, error=stage.surrogate_error.get(kind)) for block in blocks)
+    return tuple(host.compile_block(block, kind, error=stage.surrogate_error.get(kind)) for block in blocks)
 
 
 @lru_cache(maxsize=64)  # the experiments of a machine share the plant, and with it its polynomials in lanes

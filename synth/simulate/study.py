@@ -23,7 +23,7 @@ from synth.simulate import experiments as runs
 from synth.simulate import sampling
 from synth.simulate.integration import Integration
 from synth.simulate.lanes import lockstep
-from synth.simulate.lanes.lane_memory import Name
+from synth.simulate.lanes.lane_blocks import Name
 from synth.simulate.lanes.lanes import LANES
 from synth.simulate.rig import Rig, Simulate
 from synth.simulate.sampling import Sampling

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from synth import arguments
 from synth.base import column_maps
 from synth.block import Block
-from synth.emit.c import casadi_c
+from synth.emit.c import c_text
 from synth.errors import SignalError, design_lines
 from synth.execute import compile as host_compiler
 from synth.execute import host
@@ -177,7 +177,7 @@ def casadi(block: Block) -> Witness:
 def casadi_own_c(block: Block, flags: Sequence[str] = ()) -> Witness:
     """Return CasADi's own C of the Block, compiled here, as a witness."""
     f = _with_fault_word(block)
-    library = host_compiler.shared_library(casadi_c.functions([f], f"{block.name}_casadi"), flags)
+    library = host_compiler.shared_library(c_text.functions([f], f"{block.name}_casadi"), flags)
     return CasadiWitness(block, ca.external(f.name(), str(library)))
 
 

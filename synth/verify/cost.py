@@ -5,14 +5,148 @@
     share       issued / (clock x period), assuming one cycle per instruction; it is not a worst-case bound
 
 This module holds the data; `meter` measures it.
+
+Operation counts of the emitted program by kind: arithmetic, comparisons and logic, choices, loads and stores.
+
+A polynomial counts as the products and sums of its evaluation, a limit to +-h as one operation. Both branches of every
+choice count, although a step takes only one.
+
+Line table of a linked image: source file and line of a machine address, from the DWARF data of -g (`addr2line`).
+
+For inlined code the line table names the line in the inlined function. `calls` gives the lines of the outermost calls
+that were inlined into a function.
 """
 
-from collections.abc import Mapping
+from bisect import bisect_right
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from elftools.dwarf.compileunit import CompileUnit
+from elftools.dwarf.die import DIE
+from elftools.dwarf.dwarfinfo import DWARFInfo
+from elftools.dwarf.ranges import BaseAddressEntry
+from elftools.elf.elffile import ELFFile
 from numpy.typing import NDArray
+
+from synth.block import Block
+from synth.emit import pipeline
+from synth.emit.program.lower import Program
+
+_KINDS = {"sq": "mul", "twice": "mul", "inv": "div", "clamp": "limit", "choose": "choice", "when": "choice"}
+_KINDS |= dict.fromkeys(("lt", "le", "eq", "ne"), "compare") | dict.fromkeys(("and", "or", "not", "bit"), "logic")
+_KINDS |= {"input": "load input", "state": "load state", "constant": "load constant", "literal": "load constant"}
+
+
+def of_block(block: Block, scalar: type[np.floating]) -> dict[str, int]:
+    """Count the operations of the C of a Block in a scalar type, the most frequent kind first.
+
+    Raises EmitError as `emit`.
+    """
+    return of_program(pipeline.reduce(block.rounded(scalar), scalar).program)
+
+
+def of_program(program: Program) -> dict[str, int]:
+    """Count the operations of a program."""
+    counts = Counter(_KINDS.get(n.op, n.op) for n in program.nodes if n.op != "polynomial")
+    for node in program.nodes:
+        if node.op == "polynomial":
+            c = program.polynomials[node.name].coefficients
+            counts += Counter({"mul": len(c) - 1, "add": sum(1 for value in c[:-1] if value)})
+    kept = sum(program.nodes[k].op == "state" and program.nodes[k].name == name for name, k in program.next.items())
+    counts["store"] = len(program.outputs) + len(program.next) - kept
+    return dict(counts.most_common())
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Rows of the line table in order of address; each row is valid up to the next. `read` returns one."""
+
+    addresses: tuple[int, ...]
+    places: tuple[tuple[str, int], ...]
+
+    def at(self, address: int) -> tuple[str, int]:
+        """Return file name and line, from 1, of an address; ("", 0) if no row covers it."""
+        k = bisect_right(self.addresses, address) - 1
+        return self.places[k] if k >= 0 else ("", 0)
+
+
+def read(path: Path) -> Lines:
+    """Read the line table of a linked image; it is empty without -g."""
+    by_address: dict[int, tuple[str, int]] = {}
+    with path.open("rb") as file:
+        elf = ELFFile(file)
+        if elf.has_dwarf_info():
+            info = elf.get_dwarf_info()
+            for unit in info.iter_CUs():
+                name = Path(unit.get_top_DIE().get_full_path()).name
+                program = info.line_program_for_CU(unit)
+                rows = [entry.state for entry in program.get_entries() if entry.state] if program else []
+                by_address |= {row.address: (name, row.line) for row in rows if not row.end_sequence}
+    ordered = sorted(by_address)
+    return Lines(tuple(ordered), tuple(by_address[a] for a in ordered))
+
+
+@dataclass(frozen=True)
+class Call:
+    """An inlined call: addresses low <= a < high, and the line of the call in the caller."""
+
+    low: int
+    high: int
+    line: int
+
+
+def calls(path: Path, function: str) -> tuple[Call, ...]:
+    """Return the calls that were inlined into a function; empty without -g."""
+    with path.open("rb") as file:
+        elf = ELFFile(file)
+        if not elf.has_dwarf_info():
+            return ()
+        info = elf.get_dwarf_info()
+        return tuple(
+            Call(low, high, die.attributes["DW_AT_call_line"].value)
+            for unit in info.iter_CUs()
+            for top in unit.get_top_DIE().iter_children()
+            if top.tag == "DW_TAG_subprogram" and _name(top) == function
+            for die in _inlined_calls(top)
+            for low, high in _ranges(info, unit, die)
+            if low < high
+        )
+
+
+def _name(die: DIE) -> str:
+    attribute = die.attributes.get("DW_AT_name")
+    return attribute.value.decode() if attribute else ""
+
+
+def _inlined_calls(die: DIE) -> Iterator[DIE]:
+    """Yield the outermost inlined calls below an entry."""
+    for child in die.iter_children():
+        if child.tag == "DW_TAG_inlined_subroutine":
+            yield child
+        elif child.tag == "DW_TAG_lexical_block":
+            yield from _inlined_calls(child)
+
+
+def _ranges(info: DWARFInfo, unit: CompileUnit, die: DIE) -> Iterator[tuple[int, int]]:
+    if "DW_AT_low_pc" in die.attributes:
+        low, high = die.attributes["DW_AT_low_pc"].value, die.attributes["DW_AT_high_pc"]
+        yield low, high.value if high.form == "DW_FORM_addr" else low + high.value
+    elif "DW_AT_ranges" in die.attributes:
+        start = unit.get_top_DIE().attributes.get("DW_AT_low_pc")
+        base = start.value if start else 0
+        lists = info.range_lists()
+        assert lists is not None, "ranges without their section"
+        for entry in lists.get_range_list_at_offset(die.attributes["DW_AT_ranges"].value, cu=unit):
+            if isinstance(entry, BaseAddressEntry):
+                base = entry.base_address
+            else:
+                shift = 0 if entry.is_absolute else base
+                yield entry.begin_offset + shift, entry.end_offset + shift
+
 
 CLOCK_HZ = 168e6
 SYNTH, LAW_ALONE = "synth", "synth, law alone"

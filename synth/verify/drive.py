@@ -7,6 +7,11 @@ At rest both must accelerate alike: margins see the first path alone, simulation
 those of the experiments, without a fault. The difference is relative to what the commands change, max |f(x, u) -
 f(x, 0)| of each state's rate. A wrong current constant, a peak value for an effective one, or a commutation with a
 wrong angle shows in it.
+
+Verification of the Blocks beside a controller that have a reference: all witnesses, and single against double.
+
+random, edge    states uniform in their bounds, inputs in their ranges, at their ends, beyond, or NaN
+replay          what a companion reads in recorded closed loops, from `init`
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,10 +19,40 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from synth.check import Check
+from synth.declare.companion import Companion
+from synth.declare.stage import Stage
 from synth.plant import Plant
 from synth.simulate.rig import Rig, Wires
 from synth.simulate.scenario import Trajectory
 from synth.statespace import Array
+from synth.verify import agree, sampling, suite
+from synth.verify.agree import Agreement
+
+
+def compare(
+    companion: Companion,
+    label: str,
+    stage: Stage,
+    recorded: Mapping[str, agree.Columns],
+    rng: np.random.Generator,
+    steps: tuple[int, int],
+) -> tuple[list[Agreement], Agreement]:
+    """Compare all witnesses of a companion, and single with double precision over the random steps.
+
+    `steps` are the numbers of random and of edge steps; `recorded` are its inputs in closed loops of the `stage`.
+    """
+    assert companion.reference is not None
+    by, floor = suite.witnesses(companion.block, companion.reference, stage.surrogate_error), companion.floor
+    random = sampling.anywhere(companion.block, rng, steps[0])
+    edge = sampling.edge_steps(companion.block, rng, steps[1])
+    compared = suite.compare(f"{label}, random steps", by, *random, floor)
+    compared += suite.compare(f"{label}, edge steps", by, *edge, floor)
+    labelled = {f"{label}, {what}": inputs for what, inputs in recorded.items()}
+    double, single = suite.in_both_precisions(by, *random)
+    pair = ("c64", double), ("c32", single)
+    in_single = agree.compare(f"{label}, random steps", *pair, floor, companion.block, np.float32)
+    return [*compared, *suite.replay(by, labelled, floor)], in_single
+
 
 LIMIT = 0.05  # of what the commands change: the details that only the driven plant has stay below
 LEAST_CHANGE = 1e-6  # of a rate: commands that change it less do not act on it

@@ -21,14 +21,13 @@ from synth.declare.stage import Stage
 from synth.execute import host
 from synth.simulate import experiments
 from synth.simulate import rig as rigs
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
-from synth.verify import agree, companions, drive, sampling, steps, stimuli, suite
+from synth.verify import agree, drive, sampling, steps, stimuli, suite
 from synth.verify.agree import Agreement
-from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
-from synth.verify.suite import Witnesses
+from synth.verify.suite import Evidence, Witnesses
 
 RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 WHOLE, QUICK = 5_000, 1_000  # samples of a closed loop that the other witnesses replay
@@ -160,7 +159,7 @@ def compare_companions(
         recorded = {f"{label}{name}": _first_samples(each, samples) for name, each in columns.items()}
         rng, sizes = np.random.default_rng(hooks.seed + 2 + k), (RANDOM_STEPS, EDGE_STEPS)
         name, unit = companion.label or companion.name, hooks.unit_of(companion.floor)
-        compared, single = companions.compare(companion, name, stage, recorded, rng, sizes)
+        compared, single = drive.compare(companion, name, stage, recorded, rng, sizes)
         agreements, checks = [*agreements, *compared, single], [*checks, *suite.exact_checks(compared, unit)]
     return agreements, checks
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth.blocks.guard import safety
 from synth.errors import SignalError
-from synth.execute import host, recording
+from synth.execute import host, recorder
 
 SEED = 19_680
 GOOD, LATCHED = 4, 80  # samples before and after bad ones, and samples after the latch
@@ -54,7 +54,7 @@ def record(controller: host.Controller, name: str, inputs: Mapping[str, ArrayLik
     Raises SignalError as `host.Controller.replay`.
     """
     n = host.length(inputs)
-    states = recording.states(controller, inputs)
+    states = recorder.states(controller, inputs)
     return Steps(name, states[:n], controller.records(inputs, n), closed_loop)
 
 

@@ -18,10 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth.declare.stage import Interface, SetPoint
 from synth.execute import host
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory
 from synth.verify import steps
 from synth.verify.steps import Steps
 

@@ -4,20 +4,75 @@
     c64 ------------------------- against --- c32       from the same bits, where both take the same decisions
 
 The stimuli are random steps (`sampling`) and recorded inputs that are replayed from `init`.
+
+Verification evidence of a design: measured values with their limits.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from synth import check as checks
+from synth import show
+from synth.analyse.loops.robustness import Survey
 from synth.block import Block
 from synth.check import Check
 from synth.declare.stage import Reference
-from synth.execute import build, host
+from synth.execute import host
+from synth.simulate import study_table
+from synth.simulate.faults.fault_table import Campaign
+from synth.simulate.study import StudyTable
 from synth.verify import agree, replays
 from synth.verify.agree import Agreement, Columns, StepResults
+
+
+@show.with_repr
+@dataclass(frozen=True, repr=False)
+class Evidence:
+    """Agreements between witnesses and the checks that follow from them; what else a build measured, where it did.
+
+    `loops` are the loops with their margins, `faults` the campaign, `study` the study. `verdicts` are the checks that
+    the toolkit makes of these and of audit and cost, by title of the section of the report that shows them.
+    """
+
+    design: str
+    agreements: Sequence[Agreement]
+    checks: Sequence[Check]
+    faults: Campaign | None = None
+    study: StudyTable | None = None
+    loops: Survey | None = None
+    verdicts: Mapping[str, Sequence[Check]] = field(default_factory=dict)
+
+    def sheet(self) -> show.Sheet:
+        """Return the checks and the agreements."""
+        failed = sum(not c.passed for c in self.checks)
+        title = f"Evidence of {self.design}: {len(self.checks)} checks, {failed} failed"
+        agreements = (
+            (f"{a.first}, {a.second}", a.what, str(a.samples), show.number(a.worst), a.signal) for a in self.agreements
+        )
+        columns = ("witnesses", "compared", "samples", "worst difference", "signal")
+        tables = [checks.table(self.checks), show.Table(columns, tuple(agreements))]
+        return show.Sheet(title, tables=tuple(t for t in tables if t.rows))
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check passes."""
+        return all(c.passed for c in self.checks)
+
+    def document(self) -> Mapping[str, Any]:
+        """Return the evidence as a JSON document."""
+        return {
+            "design": self.design,
+            "passed": self.passed,
+            "agreements": [asdict(a) for a in self.agreements],
+            "checks": [c.document() for c in self.checks],
+            **({"faults": self.faults.document()} if self.faults else {}),
+            **({"study": study_table.document(self.study)} if self.study else {}),
+        }
+
 
 # Of max(floor, |output|), and of the range of a state: rounding of some hundred operations in double.
 DOUBLE_TOLERANCE = 1e-12
@@ -41,7 +96,7 @@ class Witnesses:
 
 def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floating], float] | None = None) -> Witnesses:
     """Return all witnesses of a Block; `error` is the relative error of surrogates by scalar type."""
-    c64, c32 = (build.compile_block(block, t, error=(error or {}).get(t)) for t in (np.float64, np.float32))
+    c64, c32 = (host.compile_block(block, t, error=(error or {}).get(t)) for t in (np.float64, np.float32))
     others = {"reference": agree.reference(reference), "casadi": agree.casadi(block)}
     return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted_c(c64)}, c64, c32)
 

@@ -19,14 +19,14 @@ from synth.declare.fault_campaign import FaultCampaign, StudyLimits
 from synth.declare.stage import Stage
 from synth.errors import DesignError
 from synth.report.audit import Printed, Published, Row, Verdict
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.faults import campaign
 from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.study import StudyTable
 from synth.stage import consistency
 from synth.verify import standard
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 from tests import levitator
 
 ROOT = Path(__file__).parents[2]

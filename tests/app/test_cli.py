@@ -20,11 +20,11 @@ from synth.check import Check
 from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
 from synth.execute import cross
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory
-from synth.verify import on_target
-from synth.verify.evidence import Evidence
+from synth.verify import replays
 from synth.verify.proofs import prove
+from synth.verify.suite import Evidence
 from tests import levitator, tools
 
 pytestmark = pytest.mark.slow
@@ -102,7 +102,7 @@ def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -
     def differs(emitted: EmittedCode, inputs: Any, core: str, report: Progress) -> Sequence[Check]:
         return (Check("outputs that differ", 3, 0, "values", "i1 3 times"),)
 
-    monkeypatch.setattr(on_target, "verify", differs)
+    monkeypatch.setattr(replays, "verify", differs)
     (document,) = printed("verify", "--target", "cortex-m4f", status=1)
     assert [c["passed"] for c in document["checks"]] == [False]
     said = RUNNER.invoke(cli.app, ["verify", "--target", "cortex-m4f"]).stdout

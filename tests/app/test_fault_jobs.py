@@ -12,7 +12,7 @@ from synth.base import jobs, store
 from synth.base.progress import Lines
 from synth.declare.fault_campaign import FaultCampaign, FaultLimit, read_safe_output
 from synth.errors import DesignError, SignalError
-from synth.simulate.faults import fault_rows, fault_table
+from synth.simulate.faults import fault_table
 from tests import levitator
 
 NAME = "levitator_pid"
@@ -56,7 +56,7 @@ def test_the_exit_status_is_that_of_the_limits(
 
 
 def test_a_build_runs_the_basic_faults_and_judges_their_limits(monkeypatch: pytest.MonkeyPatch) -> None:
-    def judge(*limits: FaultLimit) -> fault_rows.Campaign:
+    def judge(*limits: FaultLimit) -> fault_table.Campaign:
         enter_workspace(monkeypatch, *limits)
         (design,) = workspace.designs(levitator.FOLDER, [NAME])
         return fault_jobs.result(design, fault_jobs.basic(design))

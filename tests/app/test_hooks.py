@@ -21,7 +21,7 @@ from synth.report.audit import Printed, Published, Row, Verdict
 from synth.report.page import Section, Text
 from synth.report.template import Extra, Results
 from synth.signals import Signal
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.verify import sampling, standard, steps

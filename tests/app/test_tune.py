@@ -14,7 +14,7 @@ from synth.base.progress import Counted, Display, Lines
 from synth.declare.fault_campaign import StudyLimits
 from synth.declare.tuning import LARGEST, Candidate, Certificate, FreeParameter, Goal, Plan, Tuned, Tuning
 from synth.errors import DesignError, EmitError, SignalError, WiringError
-from synth.execute import build
+from synth.execute import host
 from synth.simulate import closed_loop, study
 from synth.simulate.integration import Integration
 from synth.simulate.lanes import lane_blocks
@@ -178,21 +178,21 @@ def test_a_law_that_cannot_be_made_is_the_worst_candidate(prepared: tune_jobs.Se
 @pytest.mark.slow
 def test_a_variant_has_no_c_of_its_own(prepared: tune_jobs.Search) -> None:
     controller, block = prepared.rig.controller, prepared.stage.controller.block
-    variant = build.vary(controller, block)
+    variant = host.vary(controller, block)
     with pytest.raises(WiringError, match="runs in lanes alone"):
         replace(prepared.rig, controller=variant, simulate=closed_loop.simulate).run(0.01)
     with pytest.raises(WiringError, match="other signals"):
-        build.vary(controller, replace(block, states=block.states[1:]))
+        host.vary(controller, replace(block, states=block.states[1:]))
 
 
 @pytest.mark.slow
 def test_other_constants_alone_share_the_program_and_have_the_bits_of_their_own_c(prepared: tune_jobs.Search) -> None:
     controller, block = prepared.rig.controller, prepared.stage.controller.block
     other = replace(block, constants=tuple(replace(c, value=c.value * 1.0001) for c in block.constants))
-    variant = build.vary(controller, other)
+    variant = host.vary(controller, other)
     assert lane_blocks.blocks(variant, ())[0].program is lane_blocks.blocks(controller, ())[0].program
     arguments = prepared.stage.experiments[:1], Sampling(3, 5), range(3), Integration(2, 0.0, 4)
-    controllers = variant, build.compile_block(other), controller
+    controllers = variant, host.compile_block(other), controller
     tables = [study.run(replace(prepared.rig, controller=c), *arguments) for c in controllers]
     overshoots = [next(iter(t.checks.values())).tobytes() for t in tables]
     assert overshoots[0] == overshoots[1] != overshoots[2]

@@ -19,7 +19,7 @@ from synth.base import sources, store
 from synth.base.progress import Progress
 from synth.declare.stage import Stage
 from synth.errors import DesignError
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 from tests import levitator
 
 ROOT = Path(__file__).parents[2]

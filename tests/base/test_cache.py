@@ -182,7 +182,7 @@ def test_another_compiler_is_another_key(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     """A constant of the surrogates' search that is set otherwise, and another function in the place of one."""
-    from synth.emit.approx import minimax, surrogate
+    from synth.emit.approx import polynomial, surrogate
     from synth.emit.passes import surrogates
 
     before = slices.digest(surrogates._fit)
@@ -190,7 +190,7 @@ def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     assert slices.digest(surrogates._fit) != before
     monkeypatch.undo()
     assert slices.digest(surrogates._fit) == before
-    monkeypatch.setattr(minimax, "fit", lambda *a: None)
+    monkeypatch.setattr(polynomial, "fit", lambda *a: None)
     with pytest.raises(ContentError, match=r"in place of synth\.emit\.approx\.minimax\.fit"):
         slices.digest(surrogates._fit)
 

@@ -24,7 +24,7 @@ from pathlib import Path
 
 from synth.base import progress
 from synth.app import standard_tasks
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 from tests import levitator
 
 

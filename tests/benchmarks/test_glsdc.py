@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks import beacons, glsdc
 from synth.blocks.estimate.glsdc_solution import Iteration
-from synth.simulate import stanford
+from synth.simulate import worst_case
 
 
 def test_the_monitors_are_those_that_the_redundancy_allows() -> None:
@@ -31,9 +31,9 @@ def test_faults_of_every_size_mislead_no_more_than_allocated(monitor: str) -> No
     integrity = replace(glsdc.monitors(of)[monitor], risk=1e-2)
     t = glsdc.trial(of, integrity, 5000)
     for i in range(2):
-        diagram = stanford.diagram(t.errors[:, i], t.levels[:, i], t.valid, limit=0.3)
+        diagram = worst_case.diagram(t.errors[:, i], t.levels[:, i], t.valid, limit=0.3)
         assert diagram.risk <= 1e-2 and diagram.availability > (0.9 if monitor == "exclusion" else 0.25)
-        assert stanford.diagram(t.errors[:, i], t.levels[:, i] / 4, t.valid, limit=0.3).risk > 1e-2
+        assert worst_case.diagram(t.errors[:, i], t.levels[:, i] / 4, t.valid, limit=0.3).risk > 1e-2
 
 
 def test_every_body_has_a_fault_in_one_channel() -> None:

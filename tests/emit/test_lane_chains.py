@@ -5,9 +5,9 @@ import ctypes
 import numpy as np
 import pytest
 
-from synth.emit import lane_chains, lanes
+from synth.emit import lanes
 from synth.emit.lanes import Rows
-from synth.emit.program import numeric
+from synth.emit.program import lower
 from synth.emit.program.lower import Node, Program
 from synth.execute import compile as host_compiler
 
@@ -39,12 +39,12 @@ def polynomials(dependent: bool) -> Program:
 
 
 def test_equal_polynomials_of_independent_variables_form_a_group() -> None:
-    assert [len(group) for group in lane_chains.groups(polynomials(False))] == [3]
+    assert [len(group) for group in lanes.groups(polynomials(False))] == [3]
 
 
 def test_a_polynomial_of_another_one_is_not_in_its_group() -> None:
     program = polynomials(True)
-    (group,) = lane_chains.groups(program)
+    (group,) = lanes.groups(program)
     assert {chain.value for chain in group} == {program.outputs["p"], program.outputs["q"]}
 
 
@@ -53,14 +53,14 @@ def test_a_chain_ends_where_its_value_is_read_twice() -> None:
     for t in (4, 5):
         nodes += [Node("fma", (t, 3, 2)), Node("fma", (t, len(nodes), 1)), Node("fma", (t, len(nodes) + 1, 0))]
     program = Program(tuple(nodes), (), {"p": 8, "q": 11, "inner": 7}, {})
-    assert lane_chains.groups(program) == []
+    assert lanes.groups(program) == []
 
 
 @pytest.mark.parametrize("dependent", [False, True])
 def test_every_node_comes_after_all_that_it_needs(dependent: bool) -> None:
     program = polynomials(dependent)
     done = set[int]()
-    for item in lane_chains.schedule(program):
+    for item in lanes.schedule(program):
         group = () if isinstance(item, int) else item
         needs = (
             program.nodes[item].args if isinstance(item, int) else [a for c in group for a in (c.variable, *c.terms)]
@@ -88,7 +88,7 @@ def test_one_lane_has_the_bits_of_eight(dependent: bool) -> None:
         values.append(aligned[2][::number])
     assert values[0].tobytes() == values[1].tobytes()
     known = dict(enumerate((*p, *x)))
-    exact = numeric.evaluate(program, program.outputs.values(), {k: np.array(v) for k, v in known.items()})
+    exact = lower.evaluate(program, program.outputs.values(), {k: np.array(v) for k, v in known.items()})
     assert np.allclose(values[0], [exact[k] for k in program.outputs.values()], rtol=1e-13)
 
 

@@ -12,10 +12,10 @@ from designs.planar_6dof_lqg import design as lqg
 from synth.block import Block
 from synth.emit import lanes, pipeline
 from synth.emit.lanes import Rows
-from synth.execute import build
 from synth.execute import compile as host_compiler
+from synth.execute import host
 from synth.signals import signal_names
-from synth.simulate.lanes import lane_library
+from synth.simulate.lanes import lane_blocks
 from tests import levitator
 
 pytestmark = pytest.mark.slow
@@ -76,7 +76,7 @@ def in_lanes(rows: list[np.ndarray], kind: type) -> np.ndarray:
 def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
     stage = LOOPS[name]
     block, error = stage.controller.block, stage.surrogate_error.get(scalar)
-    loaded = build.compile_block(block, scalar, error=error)
+    loaded = host.compile_block(block, scalar, error=error)
     inputs, states = columns(block, scalar, np.random.default_rng(7))
     records = np.repeat(loaded.init()[np.newaxis], N)
     for s, column in states.items():
@@ -98,7 +98,7 @@ def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
     ]
     sizes = {"reals": len(reals), "whole": len(counters), "inputs": len(rows.inputs), "outputs": len(rows.outputs)}
     text = RUN.format(functions="\n".join(functions), v=v, u=u, number=lanes.NUMBERS[scalar], **sizes)
-    library = ctypes.CDLL(str(host_compiler.shared_library({"run.c": text}, lane_library.FLAGS)))
+    library = ctypes.CDLL(str(host_compiler.shared_library({"run.c": text}, lane_blocks.FLAGS)))
     x = in_lanes([records[n] for n in reals], scalar)
     c = in_lanes([records[n] for n in counters], width)
     z = in_lanes([inputs[n] for n in rows.inputs], scalar)

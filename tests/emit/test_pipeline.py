@@ -9,7 +9,7 @@ import pytest
 
 from synth.block import Block, Constant, State, Step, build, clip
 from synth.emit import pipeline, write
-from synth.emit.passes import fold, limits
+from synth.emit.passes import fold, guards
 from synth.emit.pipeline import Reduced
 from synth.emit.program import lower
 from synth.emit.proof import ranges
@@ -105,7 +105,7 @@ def test_dropping_a_needed_limit_is_detected(width: float, monkeypatch: pytest.M
     def all_idle(program: lower.Program, proved: Any) -> dict[int, int]:
         return {k: n.args[0] for k, n in enumerate(program.nodes) if n.op in LIMITS}
 
-    monkeypatch.setattr(limits, "find_redundant", all_idle)
+    monkeypatch.setattr(guards, "find_redundant", all_idle)
     with pytest.raises(EmitError, match=rf"state 'x' may become .* but its declared bounds are -{width} .. {width} 1"):
         reduce(filter_block(width))
     reduce(filter_block(2.5))

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.emit.c import casadi_c
+from synth.emit.c import c_text
 from synth.errors import CompileError, SignalError, SynthError
 from tests import tools
 from tests.execute import planted
@@ -123,7 +123,7 @@ def test_c_of_casadi_can_be_measured(compiler: str) -> None:
     """`int f(const double **arg, double **res, long long *iw, double *w, int mem)` over N argument vectors."""
     x, y = ca.SX.sym("x", 3), ca.SX.sym("y")
     f = ca.Function("f", [x, y], [ca.dot(x, x) * y, ca.if_else(y > 0, x[0] - y, x[1] * y)])
-    machine = planted.loaded(casadi_c.functions([f], "f"), ["f"], "cortex-m7", compiler)
+    machine = planted.loaded(c_text.functions([f], "f"), ["f"], "cortex-m7", compiler)
     samples = np.random.default_rng(4).normal(size=(20, 4))
     inputs_at, outputs_at = machine.place(samples), machine.reserve(20 * 16)
     rows = []

@@ -17,7 +17,7 @@ from synth.blocks.laws import lookup_table
 from synth.signals import Parameter
 from synth.synthesise.feedback import lqr
 from synth.synthesise.identify import calibration, logs
-from synth.synthesise.observers import noise, square_root_kalman
+from synth.synthesise.observers import kalman, square_root_kalman
 from synth.synthesise.regulation.regulator_equations import Mode
 from synth.timing import Continuous
 from tests.hostile import stages, vocabulary
@@ -83,7 +83,7 @@ def examples() -> Mapping[str, Call]:
         },
         "information.jacobians": {"h": ca.Function("h", [x], [ca.sin(x)]), "q": [[0.1], [0.2]]},
         "information.bias": {"H": np.ones((2, 3, 1)), "extra": np.ones((2, 3)), "sizes": [1.0]},
-        "worst_deviation.search": {
+        "information.search": {
             **slopes,
             "low": [0.0],
             "high": [3.0],
@@ -91,13 +91,13 @@ def examples() -> Mapping[str, Call]:
             "tolerance": 0.1,
             "most": 10000,
         },
-        "worst_deviation.bound_cells": {**slopes, "q": [[1.0]], "half": [[0.1]]},
+        "information.bound_cells": {**slopes, "q": [[1.0]], "half": [[0.1]]},
         "discretise.gramian": {"F": stage.A, "W": np.eye(2)},
         "discretise.delay_samples": {"system": held, "samples": 2},
         "interconnect.connect": {"models": [stage], "inputs": ["f"], "outputs": ["x"], "wires": {"f": {"f": 1.0}}},
         "relative_degree.affine": single,
-        "linearisation.linearise": single,
-        "linearisation.require_point": single,
+        "operating_points.linearise": single,
+        "operating_points.require_point": single,
         "loop.cut": {"blocks": [example_step()], "signal": "y"},
         "loop.linearise_block": {"block": example_step(), "state": {"last": 0.0}, "inputs": {"u": 0.0}},
         "loop.open_loop": {
@@ -108,7 +108,7 @@ def examples() -> Mapping[str, Call]:
             "delay": 1,
         },
         "plots.over_time": {"time": [0.0, 0.1], "signals": {"x": [0.0, 1.0]}, "units": {"x": "m"}},
-        "equilibrium_equations.SampledLoop": fields(resting_loop),
+        "equilibrium.SampledLoop": fields(resting_loop),
         "equilibrium.Equilibrium": fields(rest),
         "equilibrium.open_loop": {"rest": rest, "signal": "current"},
         "equilibrium.solve": {"closed": resting_loop, "references": {}, "near": common["point"]},
@@ -138,7 +138,7 @@ def examples() -> Mapping[str, Call]:
         "transfer.is_stable": {"poles": np.array([-1.0 + 0j]), "time": Continuous()},
         "transfer.check_limits": {"low": 1.0, "high": 2.0},
         "transfer.check_turns": {"late": 1e-3, "top": 10.0},
-        "refinement.log_magnitude": {"value": np.array([1 + 1j])},
+        "precise.log_magnitude": {"value": np.array([1 + 1j])},
         "operating_points.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
         "operating_points.trim_with_free_states": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
         "zero_dynamics.at_point": {"plant": maglev, "degree": relative_degree.of_plant(maglev)},
@@ -151,7 +151,7 @@ def examples() -> Mapping[str, Call]:
         "advance.lost": {"position": GAP},
         "advance.block": {"positions": [advance.Position(GAP, 1.0)], "samples": 1.5, "bad_samples": 5},
         "derivative_filter.block": {"signal": GAP, "rate": RATE, "bandwidth": 30.0},
-        "estimator_start.from_measurement": {"plant": held, "estimator": common["estimator"].predictor()},
+        "lqg.from_measurement": {"plant": held, "estimator": common["estimator"].predictor()},
         "feedback_linearisation.of_plant": {**single, "point": common["point"]},
         "feedback_linearisation.linearise": {"acceleration": [x + u], "inputs": {"u": u}},
         "gauss_newton.minimise": {
@@ -163,7 +163,7 @@ def examples() -> Mapping[str, Call]:
         },
         "calibration.calibrate": calibrating,
         "calibration.assess": {"calibration": calibration.calibrate(**calibrating), "held_out": log},
-        "residual_map.fit": {
+        "lookup_table.fit": {
             "places": [[0.0, 0.0], [1.0, 0.5], [0.5, 1.0], [1.0, 1.0]],
             "residuals": [[1.0], [2.0], [1.5], [2.5]],
             "grid": lookup_table.square(1.0, 0.5),
@@ -186,7 +186,7 @@ def examples() -> Mapping[str, Call]:
         "internal_model.exact": {"modes": [Mode(0j, 1)], "time": TIME},
         "inverse_lqr.diagonal_weights": {"poles": [-2.0, -3.0], "R": 1.0},
         "kalman.discrete": white,
-        "kalman.steady": {"noisy": noise.white(held, 1e-4 * np.eye(2), [[1e-6]])},
+        "kalman.steady": {"noisy": kalman.white(held, 1e-4 * np.eye(2), [[1e-6]])},
         "lookup_table.square": {"half_width": 1.0, "spacing": 0.5},
         "lead_lag.block": {**example_lead_lag(), "source": "(21)"},
         "lead_lag.pole": {"K": example_lead_lag()["K"]},
@@ -208,12 +208,12 @@ def examples() -> Mapping[str, Call]:
         **{f"lqg.{name}": kalman_pair for name in ("predictor", "current")},
         "lqg.integrals": {"gain": common["gain"], "model": stage},
         "lqr.cost_ratio": {"gain": lqr.lqr(stage, np.eye(2), np.eye(1))},
-        "noise.stationary": {"A": stage.A, "W": np.eye(2), "time": Continuous()},
-        "noise.white": white,
+        "kalman.stationary": {"A": stage.A, "W": np.eye(2), "time": Continuous()},
+        "kalman.white": white,
         "optimal_servo.lqr": {"Q": np.eye(3)},
         "optimal_servo.lqrd": {"Q": np.eye(3)},
         "interconnect.integrals": {"system": held, "signals": {"x_integral": "x"}},
-        "reduced_compensator.augmented": {"computed": sum_of},
+        "reduced_observer.augmented": {"computed": sum_of},
         "reduced_observer.from_gain": {"system": held, "L": [[1.0]]},
         "predictive_servo.Limits": {"error": 1e-3, "fastest": 0.1, "memory": 1.0},
         "predictive_servo.block": example_predictive_servo(),
@@ -239,8 +239,8 @@ def examples() -> Mapping[str, Call]:
             "controller": servo.controller,
         },
         "logs.Log": {"samples": {"a": [1.0, 2.0]}, "period_s": T, "times": [0.0, T]},
-        "log_file.read": {"path": _file("a [m]\n1.0\n"), "required": {"a": "m"}},
-        "log_file.parse": {"text": "a [m]\n1.0\n", "required": {"a": "m"}, "name": "measurements"},
+        "logs.read": {"path": _file("a [m]\n1.0\n"), "required": {"a": "m"}},
+        "logs.parse": {"text": "a [m]\n1.0\n", "required": {"a": "m"}, "name": "measurements"},
     }
 
 

@@ -42,7 +42,7 @@ from tests.hostile.values import SAME, mutations
 
 LIMIT_S = 5.0  # of processor time, which does not depend on other load
 MEMORY = 4 << 30  # bytes
-VOCABULARY = ("signals", "timing", "plant", "statespace", "conversions", "fault", "block", "composition")
+VOCABULARY = ("signals", "timing", "plant", "statespace", "fault", "block", "composition")
 UNCHECKED = ("timing.Discrete", "logs.Log")  # check their own arguments
 NAN_MEANS = {
     "structure.poles": "the damping of a pole at 0",

@@ -59,7 +59,7 @@ def examples() -> Mapping[str, Call]:
             "time": Continuous(),
             "units": UNITS,
         },
-        "conversions.coefficients": {"system": common["transfer"]},
+        "statespace.coefficients": {"system": common["transfer"]},
         "statespace.in_common_time": {"systems": [stage, stage]},
         "statespace.from_control": {"system": stage.to_control()},
         "block.State": {"signal": GAP, "initial": 0.02, "integer": False},

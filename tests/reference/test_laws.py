@@ -9,7 +9,7 @@ import pytest
 
 from synth.block import Block
 from synth.blocks.estimate import dead_reckoning as dead_reckoning_block
-from synth.blocks.faults import braking
+from synth.blocks.guard import safe_output
 from synth.blocks.laws import lead_lag as lead_lag_block
 from synth.composition import compose
 from synth.reference import dead_reckoning, lead_lag
@@ -79,7 +79,7 @@ DEMANDS = {"q": (replace(D, name="law_q"), replace(D, name="d_q"))}
 def reckoning_gap(w: float = BANDWIDTH, remaining: float = REMAINING, unmeasured: int = UNMEASURED) -> float:
     blocks = [
         dead_reckoning_block.block("reckoning", TIME, [AXIS]),
-        braking.block("braking", TIME, [AXIS], DEMANDS, 1 - REMAINING),
+        safe_output.braking_block("braking", TIME, [AXIS], DEMANDS, 1 - REMAINING),
     ]
     open_inputs = [s.name for b in blocks for s in b.inputs if s.name not in signal_names(blocks[0].outputs)]
     block = whole(blocks, list(dict.fromkeys(open_inputs)), ["q_predicted", "d_q"])

@@ -15,14 +15,14 @@ from synth.blocks.estimate import (
     glsdc_integrity,
     glsdc_jacobian,
     glsdc_model,
+    glsdc_search,
     phasor,
-    screening,
 )
 from synth.blocks.estimate.glsdc_integrity import Integrity
 from synth.blocks.estimate.glsdc_model import Implicit, Phase, RotatedMeasurement, Unknown
 from synth.blocks.estimate.glsdc_search import Search
 from synth.blocks.estimate.glsdc_solution import Iteration
-from synth.blocks.faults import braking, landing, probe, redundancy, repeated_codes, start
+from synth.blocks.faults import innovation_monitor, landing, probe, redundancy, start
 from synth.blocks.faults.redundancy import Decision
 from synth.blocks.guard import following, missed_calls, safe_output, safety
 from synth.blocks.laws import (
@@ -35,7 +35,6 @@ from synth.blocks.laws import (
     lookup_table,
     predictive_servo,
     regulator,
-    residual_map,
 )
 from synth.blocks.laws.lookup_table import Grid
 from synth.errors import ModelError, SignalError, TimingError
@@ -50,7 +49,7 @@ TIME = Discrete(1e-3)
 Q, F, U, V = (Signal(n, "m", -1.0, 1.0) for n in ("q", "f", "u", "v"))
 READING, WISH = safety.GuardedInput(Q, 0.0, True), safety.GuardedInput(U, 0.0, False)
 MOVING = search.example("dead_reckoning.block", dead_reckoning.block)["axes"][0]
-BRAKING = search.example("braking.block", braking.block)
+BRAKING = search.example("safe_output.braking_block", safe_output.braking_block)
 FOLLOWING = search.example("following.block", following.block)["axes"][0]
 SAFE = search.example("safe_output.block", safe_output.block)["safety"]
 LOOP = search.example("lead_lag.block", lead_lag.block)
@@ -131,18 +130,18 @@ SIGNAL = [
         )
         for samples, speed, bad in ((-0.5, 1.0, 5), (1.5, 0.0, 5), (1.5, 1.0, 0))
     ),
-    call(braking.block, "no demand of axis 'gap'", demands={}),
+    call(safe_output.braking_block, "no demand of axis 'gap'", demands={}),
     call(
-        braking.block,
+        safe_output.braking_block,
         "a demand of 'p', which is no axis",
         demands=BRAKING["demands"] | {"p": BRAKING["demands"]["gap"]},
     ),
     call(
-        braking.block,
+        safe_output.braking_block,
         "in 1 on in N: give one unit",
         demands={"gap": (BRAKING["demands"]["gap"][0], replace(U, unit="N"))},
     ),
-    call(braking.block, "at most 1", share=1.5),
+    call(safe_output.braking_block, "at most 1", share=1.5),
     *(
         call(dead_reckoning.block, part, axes=[replace(MOVING, **changed)])
         for changed, part in (
@@ -221,8 +220,8 @@ SIGNAL = [
     call(landing.block, "give 0", good_samples=-1),
     call(landing.block, "one descent", courses=[landing.Braking("x", 1.0, 9.0, 1.0)]),
     call(probe.block, "positive step", probe=probe.Probe(10, 4, 0.0, 3)),
-    call(repeated_codes.states, "two channels or more", channels=[Q]),
-    call(repeated_codes.states, "one range about 0", channels=[Q, replace(F, high=6.0)]),
+    call(innovation_monitor.states, "two channels or more", channels=[Q]),
+    call(innovation_monitor.states, "one range about 0", channels=[Q, replace(F, high=6.0)]),
     call(start.block, "'start' has no demand: give at least one", demands={}),
     call(start.block, "passes 'u' in m on in N: give one unit", demands={U: replace(F, unit="N")}),
     *(
@@ -274,7 +273,7 @@ SIGNAL = [
         for high, p in ((300.0, 0.1143), (0.1, 0.0), (0.1, -1.0))
     ),
     *(
-        call(screening.screen, "in one group", groups=groups)
+        call(glsdc_search.screen, "in one group", groups=groups)
         for groups in ([("a",)], [("a",), ("b",), ("b",)], [("a",), ("b",), ()], [("a", "other"), ("b",)])
     ),
     *(
@@ -392,8 +391,8 @@ MODEL = [
             (Search, {"patience": 0}, "patience is 0"),
             (Search, {"dwell": 0}, "dwell is 0"),
             (Search, {"agreement": {"x": 0.0}}, "agreement of 'x' is 0"),
-            (repeated_codes.states, {"channels": [Q, F], "repeats": 1}, "2"),
-            (screening.screen, {"repeats": 0}, "number of repeats is 0"),
+            (innovation_monitor.states, {"channels": [Q, F], "repeats": 1}, "2"),
+            (glsdc_search.screen, {"repeats": 0}, "number of repeats is 0"),
         )
     ),
     *(
@@ -461,7 +460,7 @@ MODEL = [
         )
     ),
     *(
-        call(residual_map.fit, part, **{"places": PLACES, "residuals": PLACES, "grid": GRID} | changed)
+        call(lookup_table.fit, part, **{"places": PLACES, "residuals": PLACES, "grid": GRID} | changed)
         for changed, part in (
             ({"places": 1.2 * PLACES}, "widen the grid"),
             ({"residuals": PLACES[:9]}, "one for each"),

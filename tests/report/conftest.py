@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from synth.check import Check
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory
 
 N, SPIKE = 60_000, 34_567

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from synth.errors import DesignError
-from synth.report import audit, formulas
+from synth.report import audit
 from synth.report.audit import Printed, Verdict, judge
 
 TEXT = """
@@ -126,8 +126,8 @@ def test_rows_come_in_the_order_asked_for_or_in_that_of_the_print_with_their_rul
 
 
 def test_functions_are_those_that_a_module_defines() -> None:
-    named = audit.functions(audit, formulas)
-    assert named["judge"] is judge and named["evaluate"] is formulas.evaluate
+    named = audit.functions(audit)
+    assert named["judge"] is judge and named["evaluate"] is audit.evaluate
     assert "Decimal" not in named
 
 

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 from synth.declare.fault_campaign import FaultCampaign, FaultLimit
 from synth.report import faults, page
-from synth.simulate.faults import fault_rows, fault_table
-from synth.simulate.faults.campaign import FaultRun, HealthyRun
-from synth.simulate.faults.fault_sweeps import Sweep
+from synth.simulate.faults import fault_table
+from synth.simulate.faults.campaign import FaultRun, HealthyRun, Sweep
 from synth.simulate.faults.injections import Injection
 from synth.simulate.rig import Rig
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 from tests import levitator
 
 POSITIONS = ("z", "x")
@@ -23,15 +22,15 @@ def run(kind: str, latch_s: float, impact: float) -> FaultRun:
     return FaultRun(fault, "at rest", 0, 0.1, hit, hit, {"z": 2.0}, hit, zero, latch_s, latch_s, latch_s < 1, (), True)
 
 
-def campaign(*limits: FaultLimit) -> fault_rows.Campaign:
+def campaign(*limits: FaultLimit) -> fault_table.Campaign:
     stage = levitator.design().DESIGN
     rig = Rig(replace(stage, faults=FaultCampaign(limits=limits)), stage.plant, None)  # type: ignore[arg-type]
     runs = [run("not finite", 2e-3, 0.04), run("offset", float("inf"), 0.0)]
     control = [run("not finite", float("inf"), 0.05)]
-    return fault_rows.campaign(rig, 1, [HealthyRun("at rest", 0, 0, {"z": 0.0})], runs, control, [LATE, GAP])
+    return fault_table.campaign(rig, 1, [HealthyRun("at rest", 0, 0, {"z": 0.0})], runs, control, [LATE, GAP])
 
 
-def render(result: fault_rows.Campaign) -> str:
+def render(result: fault_table.Campaign) -> str:
     return page.render(page.Report("stage", "about", (faults.section(result),)))
 
 
@@ -62,7 +61,7 @@ def test_a_planted_limit_fails_in_the_section_and_in_the_evidence() -> None:
 def test_a_limit_that_the_control_keeps_does_not_count_as_tested() -> None:
     """An impact of 0.05 m/s without the latch keeps 0.06 m/s: such a limit cannot tell whether there is a detector."""
     result = campaign(FaultLimit("impact_z", 0.06, kind="not finite"))
-    assert [c.name for c in result.checks if not c.passed] == [fault_rows.CONTROL_LIMITS]
+    assert [c.name for c in result.checks if not c.passed] == [fault_table.CONTROL_LIMITS]
 
 
 def test_the_excursion_is_that_of_a_position_with_a_set_point() -> None:

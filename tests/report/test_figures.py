@@ -16,7 +16,7 @@ from synth.analyse.loops import stability_margins
 from synth.errors import SignalError
 from synth.report import bode, figures, page, sections
 from synth.report.figures import Curve, Panel
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.statespace import StateSpace
 from synth.timing import Continuous
 

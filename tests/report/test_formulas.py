@@ -5,8 +5,8 @@ import pickle
 import pytest
 
 from synth.errors import DesignError
-from synth.report import audit, formulas
-from synth.report.formulas import Formula
+from synth.report import audit
+from synth.report.audit import Formula
 
 TEXT = """
 [F-1]
@@ -67,13 +67,13 @@ def test_an_attribute_is_no_name() -> None:
 )
 def test_a_formula_that_is_none_is_refused(text: str, match: str) -> None:
     with pytest.raises(DesignError, match=match):
-        formulas.evaluate({"value": Formula(text, "1", "value")}, {"stiffness": 1.0}, {})
+        audit.evaluate({"value": Formula(text, "1", "value")}, {"stiffness": 1.0}, {})
 
 
 def test_a_printed_number_that_is_none_is_refused() -> None:
     with pytest.raises(DesignError, match=r"F-3\.mass, which is not printed: use one of F-1\.mass"):
-        formulas.evaluate({"value": Formula("F-3.mass")}, {}, {"F-1.mass": 2.0})
+        audit.evaluate({"value": Formula("F-3.mass")}, {}, {"F-1.mass": 2.0})
 
 
 def test_near_asks_for_all() -> None:
-    assert formulas.is_close(1.001, 0.01, 1.0, 1.005) and not formulas.is_close(1.001, 0.01, 1.0, 1.2)
+    assert audit.is_close(1.001, 0.01, 1.0, 1.005) and not audit.is_close(1.001, 0.01, 1.0, 1.2)

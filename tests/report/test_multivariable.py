@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from synth.analyse.loops import disk
-from synth.report import multivariable
+from synth.report import bode
 from synth.statespace import StateSpace
 from synth.timing import Discrete
 
@@ -16,7 +16,7 @@ FREQUENCY = np.geomspace(10, 3000, 50)
 
 
 def test_singular_values_are_those_of_s_and_t() -> None:
-    values = multivariable.singular(LOOP, FREQUENCY)
+    values = bode.singular(LOOP, FREQUENCY)
     L = LOOP.response([np.exp(1j * FREQUENCY[7] * T)])[0]
     S = np.linalg.inv(np.eye(2) + L)
     for letter, m in (("L", L), ("S", S), ("T", np.eye(2) - S)):
@@ -24,8 +24,8 @@ def test_singular_values_are_those_of_s_and_t() -> None:
 
 
 def test_each_loop_is_drawn_in_hertz_and_decibels() -> None:
-    values = multivariable.singular(LOOP, FREQUENCY)
-    figure = multivariable.singular_values({"as shipped": values, "as printed": values})
+    values = bode.singular(LOOP, FREQUENCY)
+    figure = bode.singular_values({"as shipped": values, "as printed": values})
     assert [axes.get_title()[:18] for axes in figure.axes] == ["singular values of"] * 3
     line = figure.axes[1].get_lines()[0]
     np.testing.assert_allclose(line.get_xdata(), FREQUENCY / (2 * np.pi))
@@ -34,15 +34,15 @@ def test_each_loop_is_drawn_in_hertz_and_decibels() -> None:
 
 
 def test_a_peak_beyond_the_usual_range_is_not_cut_off() -> None:
-    values = multivariable.singular(LOOP, FREQUENCY)
-    high = multivariable.Singular(values.frequency, values.L, 30 * values.S, values.T)
-    figure = multivariable.singular_values({"high": high})
-    assert figure.axes[1].get_ylim()[1] >= 20 * np.log10(high.S.max()) > multivariable.DECIBELS["S"][1]
+    values = bode.singular(LOOP, FREQUENCY)
+    high = bode.Singular(values.frequency, values.L, 30 * values.S, values.T)
+    figure = bode.singular_values({"high": high})
+    assert figure.axes[1].get_ylim()[1] >= 20 * np.log10(high.S.max()) > bode.GAIN_DECIBELS["S"][1]
 
 
 def test_disk_margins_are_drawn_from_the_lowest_frequency_on() -> None:
     margin = disk.of_loop(LOOP)
-    (axes,) = multivariable.disks({"both": margin}).axes
+    (axes,) = bode.disks({"both": margin}).axes
     drawn = axes.get_lines()[0].get_ydata()
-    assert min(drawn) == pytest.approx(margin.curve[margin.frequencies > multivariable.MIN_FREQUENCY].min())
+    assert min(drawn) == pytest.approx(margin.curve[margin.frequencies > bode.MIN_FREQUENCY].min())
     assert axes.get_legend().get_texts()[0].get_text() == "both"

@@ -11,7 +11,7 @@ from synth.check import Check
 from synth.errors import DesignError
 from synth.report import notation, page, sections
 from synth.report.page import Checks, Equations, Figure, Report, Section, Table, Text
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.verify.agree import Agreement
 
 GOOD, BAD = Check("overshoot", 0.118, 0.2, "1", "of the step"), Check("t_s", 2.4, 2.2, "s")

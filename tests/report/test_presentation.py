@@ -9,7 +9,7 @@ from synth.errors import SignalError
 from synth.fault import LATCH_BIT
 from synth.report import presentation, standard
 from synth.report.presentation import Shown
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory
 
 TIME = np.arange(100) * 0.01

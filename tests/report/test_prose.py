@@ -4,7 +4,7 @@ import pytest
 
 from synth.errors import DesignError
 from synth.report import page, prose
-from synth.report.equations import glyphs
+from synth.report.equations import mathml
 from synth.report.page import Prose, Section, Table
 
 TABLE = Table("Extra", ("a",), ((1.0,),))
@@ -75,4 +75,4 @@ def test_a_title_inside_code_is_no_title() -> None:
 
 def test_names_are_written_as_in_equations() -> None:
     block = prose.render_markdown("The spring $k_s_phi$ costs 3 $ and $F_V1$ *pulls*.")
-    assert glyphs.symbol("k_s_phi") in block.html and glyphs.symbol("F_V1") in block.html and "3 $ and" in block.html
+    assert mathml.symbol("k_s_phi") in block.html and mathml.symbol("F_V1") in block.html and "3 $ and" in block.html

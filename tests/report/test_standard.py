@@ -9,11 +9,11 @@ from synth.analyse.loops import stability_margins
 from synth.check import Check
 from synth.report import gains_table, page, standard
 from synth.report.presentation import Shown
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.statespace import StateSpace, readonly
 from synth.timing import Continuous, Discrete
 from synth.verify.agree import Agreement
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 LAW = {"K": [1.0, -2.5], "weights": {"x": 10.0}, "certified": True, "A": [[0.0, 1.0], [2.0, 3.0]]}
 DOCUMENT = {

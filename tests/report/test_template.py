@@ -12,7 +12,7 @@ from synth.declare.stage import Stage
 from synth.report import first_screen, page, standard, template
 from synth.report.page import Section
 from synth.report.template import Extra, Results
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 from tests import levitator
 
 STAGE = levitator.design().DESIGN

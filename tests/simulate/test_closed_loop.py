@@ -16,7 +16,7 @@ from synth.execute.host import Controller
 from synth.plant import Plant
 from synth.simulate import closed_loop
 from synth.simulate.closed_loop import Scenario, Trajectory
-from synth.simulate.sensors import Analogue, Encoder, Override
+from synth.simulate.scenario import Analogue, Encoder, Override
 
 T, KP, KD, BIAS = 1e-3, 400.0, 6.0, 2.0
 Level = Callable[[str], Controller]

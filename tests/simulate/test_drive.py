@@ -9,7 +9,7 @@ import pytest
 from synth.block import Exprs, Step
 from synth.block import build as block
 from synth.errors import WiringError
-from synth.execute import build
+from synth.execute import host
 from synth.execute.host import Controller
 from synth.plant import Plant
 from synth.signals import Signal
@@ -34,7 +34,7 @@ def drive(
 
     bounds = [abs(factor) * v for v in WIDE]
     made = block(name, Discrete(T), law, inputs=[of], outputs=[Signal(out, "A", *bounds)])
-    return build.compile_block(made, scalar)
+    return host.compile_block(made, scalar)
 
 
 def run(mass: Plant, level: Controller, *blocks: Controller, scenario: closed_loop.Scenario = DRIVEN) -> Trajectory:

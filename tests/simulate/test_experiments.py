@@ -11,7 +11,7 @@ from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepRespo
 from synth.errors import SignalError
 from synth.simulate import experiments
 from synth.simulate.rig import Rig
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override
 from tests import levitator
 
 DESIGN: Any = levitator.design("levitator_2dof")

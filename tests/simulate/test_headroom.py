@@ -9,8 +9,8 @@ from synth.app import standard_tasks, tasks
 from synth.base.progress import silent
 from synth.block import Block, clip
 from synth.declare.stage import Stage
-from synth.simulate import headroom
-from synth.simulate.experiment import Experiment
+from synth.simulate import experiments
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.verify import suite
 from tests import levitator
@@ -41,14 +41,14 @@ def simulated(stage: Stage) -> list[Experiment]:
 
 def test_a_sound_stage_is_inside_all_bounds() -> None:
     for run in tasks.experiments(PID.DESIGN).compute(silent):
-        check = next(c for c in run.checks if c.name == headroom.NAME)
+        check = next(c for c in run.checks if c.name == experiments.NAME)
         assert check.passed and 0.05 < check.value < 0.5
-        assert any(name.startswith(headroom.NAME) for name in run.figures)
+        assert any(name.startswith(experiments.NAME) for name in run.figures)
 
 
 def test_a_bound_that_is_too_low_is_found(planted: Stage) -> None:
     runs = {run.name: run for run in simulated(planted)}
-    check = next(c for c in runs["step_z"].checks if c.name == headroom.NAME)
+    check = next(c for c in runs["step_z"].checks if c.name == experiments.NAME)
     assert not check.passed and check.value == pytest.approx(1) and check.about.startswith("pid_z_v")
     assert not runs["step_z"].trajectory.faults.any()
 
@@ -64,13 +64,13 @@ def test_comparison_of_witnesses_does_not_detect_it(planted: Stage) -> None:
 
 def test_states_limited_on_purpose_may_reach_their_bound(planted: Stage) -> None:
     runs = simulated(replace(planted, limited=["pid_z_v"]))
-    assert all(c.passed for run in runs for c in run.checks if c.name == headroom.NAME)
+    assert all(c.passed for run in runs for c in run.checks if c.name == experiments.NAME)
 
 
 def test_the_ratio_is_taken_about_the_middle_of_the_range() -> None:
     controller = standard_tasks.compiled_controller(PID.DESIGN, np.float64)
     n = 10
     inputs = {"z": np.zeros(n), "x": np.full(n, -1e-3), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
-    ratios = headroom.ratios(controller, inputs)
+    ratios = experiments.ratios(controller, inputs)
     assert ratios["pid_x_e_previous"] == pytest.approx(1) and ratios["pid_z_e_previous"] == 0
     assert set(ratios) == {f"pid_{axis}_{name}" for axis in "zx" for name in ("integral", "v", "e_previous")}

@@ -8,7 +8,7 @@ import pytest
 from synth.app import standard_tasks
 from synth.block import Step, build
 from synth.errors import WiringError
-from synth.execute.build import compile_block
+from synth.execute.host import compile_block
 from synth.signals import Signal
 from synth.simulate.rig import Rig
 from tests import levitator

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synth.errors import SignalError
-from synth.simulate.sensors import Analogue, Encoder, Sensor
+from synth.simulate.scenario import Analogue, Encoder, Sensor
 
 
 def test_reading_is_the_nearest_count() -> None:

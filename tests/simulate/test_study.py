@@ -12,7 +12,7 @@ from synth.check import Check
 from synth.errors import DesignError, SignalError
 from synth.report import study as report
 from synth.simulate import integration, study, study_table, worst_case
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.sampling import Sampling

@@ -19,9 +19,9 @@ from synth.execute import compile as host_compiler
 from synth.execute import cross, host, image
 from synth.signals import Signal
 from synth.timing import Discrete
-from synth.verify import baselines, cost, meter, operations, steps
-from synth.verify.baselines import CallLayout, Candidate
+from synth.verify import cost, meter, steps
 from synth.verify.cost import Cost, Memory, StepCost, Summary
+from synth.verify.meter import CallLayout, Candidate
 from synth.verify.steps import Steps
 from tests import tools
 from tests.execute.planted import assembly
@@ -62,7 +62,7 @@ def of(design_cost: Cost, generator: str) -> list[StepCost]:
 @tools.sees_more_with_tools
 def test_every_generator_computes_the_same_step(design_cost: Cost) -> None:
     assert {(f.generator, f.build) for f in design_cost.compared} == {
-        (g, b.name) for g in (cost.SYNTH, baselines.CASADI, baselines.CASADI_FLOAT) for b in meter.builds()
+        (g, b.name) for g in (cost.SYNTH, meter.CASADI, meter.CASADI_FLOAT) for b in meter.builds()
     }
     for f in design_cost.compared:
         # The emitted C is the host's to the bit unless contracted. The others round otherwise, in sums of terms up
@@ -123,7 +123,7 @@ def test_the_document_is_strict_json_with_units_and_notes(design_cost: Cost) -> 
     shown = [row for t in cost.tables(design_cost) for row in t.rows]
     assert all(isinstance(cell, str) for row in shown for cell in row)
     assert all(len(row) == len(t.columns) for t in cost.tables(design_cost) for row in t.rows)
-    assert [line.split(":")[0] for line in design_cost.absent] == list(baselines.UNSUPPORTED)
+    assert [line.split(":")[0] for line in design_cost.absent] == list(meter.UNSUPPORTED)
 
 
 def test_a_brief_cost_is_that_of_one_toolchain_on_every_machine() -> None:
@@ -138,7 +138,7 @@ def test_an_uncovered_branch_is_reported_with_its_line(
     compiler: str, controller: host.Controller, sequences: list[Steps]
 ) -> None:
     """Without faults the branches of fault handling and latch are uncovered, each reported with its line of C."""
-    emitted, build = baselines.emitted_c(EMITTED), BUILDS[compiler]
+    emitted, build = meter.emitted_source(EMITTED), BUILDS[compiler]
     lost = meter.coverage(emitted, meter.run(emitted, sequences[0], build), build)
     assert lost.both < lost.decisions and len(lost.missing) == lost.decisions - lost.both
     assert any("latched" in line and "axes_2.c:" in line for line in lost.missing)
@@ -149,7 +149,7 @@ def test_an_unreachable_branch_is_reported(compiler: str, sequences: list[Steps]
     text = EMITTED.files["axes_2.c"].replace(
         "    return faults;", "    if (in->q1 == 0.0123456f) { state->guard_ready = 7u; }\n    return faults;"
     )
-    planted = baselines.emitted_c(EmittedCode(EMITTED.files | {"axes_2.c": text}, EMITTED.manifest))
+    planted = meter.emitted_source(EmittedCode(EMITTED.files | {"axes_2.c": text}, EMITTED.manifest))
     everything = steps.concatenate("all", sequences)
     lost = meter.coverage(planted, meter.run(planted, everything, BUILDS[compiler]), BUILDS[compiler])
     # A compiler may branch around what is planted or to it.
@@ -161,10 +161,10 @@ def test_a_different_control_law_is_reported_as_a_difference(
     controller: host.Controller, sequences: list[Steps]
 ) -> None:
     """Planted defect: a baseline that computes something else must not count as cheaper."""
-    text = baselines.casadi(MADE, shimmed=True).files["axes_2_casadi.c"]
+    text = meter.casadi(MADE, shimmed=True).files["axes_2_casadi.c"]
     assert "1.0000000000000001e-01f" in text  # amperes per m/s^2
     wrong = text.replace("1.0000000000000001e-01f", "1.1e-01f")
-    planted = replace(baselines.casadi(MADE, shimmed=True), files={"axes_2_casadi.c": wrong})
+    planted = replace(meter.casadi(MADE, shimmed=True), files={"axes_2_casadi.c": wrong})
     build = meter.builds()[-1]
     assert meter.step_cost(planted, steps.thinned(sequences[0], 20), build, controller).difference > 1e-4
 
@@ -193,7 +193,7 @@ def test_instructions_predicated_false_are_not_counted_as_executed(build: meter.
     ],
 )
 def test_literals_become_float(text: str, expected: str) -> None:
-    assert baselines.with_float_shim(f"#include <math.h>\n{text}\n").endswith(f"\n{expected}\n")
+    assert meter.with_float_shim(f"#include <math.h>\n{text}\n").endswith(f"\n{expected}\n")
 
 
 def functions_of_libm() -> Block:
@@ -212,14 +212,14 @@ def functions_of_libm() -> Block:
 
 def test_the_shim_is_single_precision_everywhere() -> None:
     """Planted defect: the unmodified C of CasADi contains double calls and promotions."""
-    plain, shimmed = (baselines.casadi(functions_of_libm(), shimmed=s).files for s in (False, True))
+    plain, shimmed = (meter.casadi(functions_of_libm(), shimmed=s).files for s in (False, True))
     assert cross.double_symbols(shimmed) == () and len(cross.double_symbols(plain)) > 20
     strict = ("-std=c99", "-Wdouble-promotion", "-Wfloat-conversion", "-Werror")
     host_compiler.check(shimmed, strict)
     with pytest.raises(CompileError, match="float-conversion"):
         host_compiler.check(plain, strict)
     with pytest.raises(EmitError, match=r"found no `#include <math.h>`"):
-        baselines.with_float_shim("float f(float x);\n")
+        meter.with_float_shim("float f(float x);\n")
 
 
 def test_operations_are_counted_by_kind() -> None:
@@ -238,14 +238,14 @@ def test_operations_are_counted_by_kind() -> None:
     p = Polynomial(-1, 1, 0, 1, "none", (1.0, 0.0, 3.0, 4.0), np.float32)  # three products, two sums
     program = Program(nodes, (), {"y": 9}, {"x": 9, "held": 1}, polynomials={"p": p})
     counted = {"mul": 5, "add": 2, "limit": 1, "compare": 1, "choice": 1, "load constant": 2, "load input": 1}
-    assert operations.of_program(program) == counted | {"load state": 1, "store": 3}
+    assert cost.of_program(program) == counted | {"load state": 1, "store": 3}
     held = replace(program, next={"x": 1})  # what a state keeps is not stored
-    assert operations.of_program(held)["store"] == 1
+    assert cost.of_program(held)["store"] == 1
 
 
 def test_operations_of_a_block() -> None:
-    counted = operations.of_block(MADE, np.float32)
-    four = operations.of_block(axes.block(4), np.float32)
+    counted = cost.of_block(MADE, np.float32)
+    four = cost.of_block(axes.block(4), np.float32)
     assert counted["limit"] == 2 and four["limit"] == 4  # one current each
     assert four["mul"] - counted["mul"] == counted["mul"] > 10  # the guard of the first axis multiplies nothing
 
@@ -302,4 +302,4 @@ def test_a_state_of_the_block_is_one_of_casadi() -> None:
     loop = steps.record(controller, "loop", {"a": np.linspace(-1, 1, 12)}, closed_loop=True)
     last = meter.builds()[-1]
     for shimmed in (False, True):
-        assert meter.step_cost(baselines.casadi(made, shimmed), loop, last, controller).difference < 1e-6
+        assert meter.step_cost(meter.casadi(made, shimmed), loop, last, controller).difference < 1e-6

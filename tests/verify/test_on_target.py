@@ -12,7 +12,7 @@ from synth.check import Check
 from synth.emit.write import EmittedCode
 from synth.errors import CompileError, DesignError, SignalError
 from synth.execute import cross, host, qemu, target
-from synth.verify import on_target
+from synth.verify import replays
 from tests import tools
 
 SCALARS = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
@@ -41,7 +41,7 @@ def failed(checks: tuple[Check, ...]) -> list[str]:
 @pytest.mark.parametrize("core", SCALARS)
 def test_target_and_host_are_bit_identical(core: str) -> None:
     messages: list[str] = []
-    checks = on_target.verify(EMITTED[core], inputs(), core, messages.append)
+    checks = replays.verify(EMITTED[core], inputs(), core, messages.append)
     assert not failed(checks), checks
     runs = [f"{core}, {compiler}, unicorn" for compiler in cross.available()] + [f"{core}, gcc, QEMU"] * HAS_QEMU
     for run in runs:
@@ -72,7 +72,7 @@ def last_bit(text: str) -> str:
 
 def test_a_changed_literal_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(target, "load", planted("cortex-m4f", last_bit))
-    checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
+    checks = replays.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
     for compiler in cross.available():
         where = f"cortex-m4f, {compiler}, unicorn"
         broken = [name for name in failed(checks) if name.startswith(where)]
@@ -84,7 +84,7 @@ def test_a_changed_literal_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) 
 @tools.sees_more_with_tools
 def test_another_fault_word_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(target, "load", planted("cortex-m4f", lambda c: c.replace("0x00000001u", "0x00000004u")))
-    checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
+    checks = replays.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
     assert {n.split(": ")[1] for n in failed(checks)} == {"fault words that differ"}
 
 
@@ -92,14 +92,14 @@ def test_another_fault_word_breaks_the_identity(monkeypatch: pytest.MonkeyPatch)
 def test_the_second_emulator_is_compared_too(monkeypatch: pytest.MonkeyPatch) -> None:
     load = qemu.load
     monkeypatch.setattr(qemu, "load", lambda f, *a: load(f | {"axes_2.c": last_bit(f["axes_2.c"])}, *a))
-    checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
+    checks = replays.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
     assert {n.split(": ")[0] for n in failed(checks)} == {"cortex-m4f, gcc, QEMU"}
 
 
 @tools.needs_arm_gcc
 def test_contraction_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cross, "FLAGS", (*cross.FLAGS, *cross.CONTRACTED))
-    checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
+    checks = replays.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
     assert "cortex-m4f, gcc, unicorn: states that differ" in failed(checks)
 
 
@@ -109,7 +109,7 @@ def test_a_planted_double_is_a_failed_check(core: str) -> None:
     """The Cortex-M7 has doubles in hardware and no such check."""
     made = EMITTED[core]
     text = made.files["axes_2.c"].replace("const float q2 = in->q2;", "const float q2 = (float)(in->q2 * 0.1 * 10.0);")
-    checks = on_target.verify(EmittedCode(made.files | {"axes_2.c": text}, made.manifest), inputs(), core, silent)
+    checks = replays.verify(EmittedCode(made.files | {"axes_2.c": text}, made.manifest), inputs(), core, silent)
     if core == "cortex-m7":
         assert not failed(checks)
         return
@@ -121,7 +121,7 @@ def test_a_planted_double_is_a_failed_check(core: str) -> None:
 @pytest.mark.parametrize(("core", "bound"), [("cortex-m4f", 1e-4), ("cortex-m7", 1e-12)])
 def test_drift_is_bounded(core: str, bound: float) -> None:
     """Fused products change the last bits, a few hundred units after 400 steps, but no fault word."""
-    drift = on_target.drift(EMITTED[core], inputs(), core, 1.0)
+    drift = replays.drift(EMITTED[core], inputs(), core, 1.0)
     assert (drift.core, drift.compiler, drift.steps, drift.faults) == (core, "gcc", 400, 0)
     assert 0 < drift.worst < bound and drift.output in ("i1", "i2") and 0 <= drift.step < 400
 
@@ -129,17 +129,17 @@ def test_drift_is_bounded(core: str, bound: float) -> None:
 @tools.needs_arm_gcc
 def test_drift_detects_a_different_law(monkeypatch: pytest.MonkeyPatch) -> None:
     made = EMITTED["cortex-m4f"]
-    before = on_target.drift(made, inputs(), "cortex-m4f", 1.0)
+    before = replays.drift(made, inputs(), "cortex-m4f", 1.0)
     slower = planted("cortex-m4f", lambda c: c.replace(ERROR, ERROR.replace("e2", "0.3f * e2")))
     monkeypatch.setattr(target, "load", slower)
-    drift = on_target.drift(made, inputs(), "cortex-m4f", 1.0)
+    drift = replays.drift(made, inputs(), "cortex-m4f", 1.0)
     assert drift.output == "i2" and drift.worst > 1e-3 > before.worst
 
 
 def test_invalid_arguments_are_named() -> None:
     with pytest.raises(DesignError, match="cortex-m7: found C in float32, need float64"):
-        on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m7", silent)
+        replays.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m7", silent)
     with pytest.raises(CompileError, match="core: found 'cortex-m0'"):
-        on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m0", silent)
+        replays.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m0", silent)
     with pytest.raises(SignalError, match=r"missing \['r2'\]"):
-        on_target.verify(EMITTED["cortex-m4f"], {n: v for n, v in inputs().items() if n != "r2"}, "cortex-m4f", silent)
+        replays.verify(EMITTED["cortex-m4f"], {n: v for n, v in inputs().items() if n != "r2"}, "cortex-m4f", silent)

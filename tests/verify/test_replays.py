@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, State, Step, build
-from synth.execute import build as build_c
+from synth.execute import host as build_c
 from synth.signals import Signal
 from synth.timing import Discrete
 from synth.verify import agree, replays, suite

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synth.app import standard_tasks
-from synth.execute import build, host
+from synth.execute import host
 from synth.simulate import experiments
 from synth.verify import steps, stimuli
 from tests import levitator
@@ -26,7 +26,7 @@ def doubled() -> host.Controller:
     faster = tuple(replace(a, slew_per_s=2 * a.slew_per_s) for a in PID.INTERFACE.actuators)
     laws = [law for made in STAGE.controller.laws for law in made.blocks]
     made = PID.stage.controller("levitator_pid", PID.TIME, replace(PID.INTERFACE, actuators=faster), laws)
-    return build.compile_block(made.block, np.float32)
+    return host.compile_block(made.block, np.float32)
 
 
 def _differs(one: host.Controller, other: host.Controller, among: steps.Steps) -> bool:

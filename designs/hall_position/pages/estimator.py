@@ -8,7 +8,7 @@ from designs.hall_position.protected import config as protected
 from models import hall_chain
 from models.hall_chain import Chain
 from models.hall_two_waves import PlanarArray
-from synth.report.captions import Content, Rows
+from synth.report.prose import Content, Rows
 
 
 def blocks(meaning: Mapping[str, str]) -> dict[str, Content]:

@@ -12,11 +12,10 @@ from designs.hall_position.paper.scan_fit import Decay, Fit
 from models import concentrated_field, hall_array
 from models.concentrated_field import CROSS, PARAMETERS, orders_on_axes
 from models.hall_stage import Stage
-from synth.report import charts, maps
-from synth.report.captions import Content, Rows
-from synth.report.charts import Chart, Line
+from synth.report import maps
 from synth.report.figures import COLOURS
-from synth.report.maps import Map
+from synth.report.maps import Chart, Line, Map
+from synth.report.prose import Content, Rows
 
 POINTS = 97  # of a map of the field, along a pitch
 HEIGHTS = (2e-3, 2.5e-3, 3e-3, 3.5e-3, 4e-3)  # m
@@ -39,7 +38,7 @@ def blocks(stage: Stage) -> dict[str, Content]:
     return {
         "field.parameters": _parameters(stage),
         "field.amplitudes": _amplitudes(stage),
-        "field.coefficients": charts.draw([_harmonics(stage, z) for z in (0.0, stage.height)], 3.0),
+        "field.coefficients": maps.draw([_harmonics(stage, z) for z in (0.0, stage.height)], 3.0),
         "field.surface": _surface(surfaces),
         "field.sections": _sections(surfaces),
         "field.spacing": _spacing(stage),
@@ -112,7 +111,7 @@ def _sections(above: Mapping[str, Surface]) -> Figure:
         for (name, surface), colour in zip(above.items(), COLOURS, strict=False)
         for k in range(0, len(surface.Y) - 1, (len(surface.Y) - 1) // 4)
     ]
-    return charts.draw([Chart(lines, "X, mm", "B_X, mT", legend="upper right")], 2.6)
+    return maps.draw([Chart(lines, "X, mm", "B_X, mT", legend="upper right")], 2.6)
 
 
 def _spacing(stage: Stage) -> Figure:
@@ -135,7 +134,7 @@ def _spacing(stage: Stage) -> Figure:
     least += [Line([at, at], [0.0, top], "" if k else "(3)", dashed) for k, at in enumerate(printed / pitch)]
     limits = {"ylim": (0.0, None)}
     right = Chart(least, "spacing, pitches", "least slope of the pair, V/mm", legend="lower right", options=limits)
-    return charts.draw([Chart(voltages, "X, mm", "voltage, V; bold: the steeper", legend="upper right"), right], 2.8)
+    return maps.draw([Chart(voltages, "X, mm", "voltage, V; bold: the steeper", legend="upper right"), right], 2.8)
 
 
 def _residuals(fit: Fit) -> Figure:
@@ -156,7 +155,7 @@ def _gap(stage: Stage, fits: Mapping[float, Fit], decays: list[Decay]) -> Figure
         lines += [Line(1e3 * z, law, style={"color": colour}), Line(1e3 * np.array(HEIGHTS), sizes, f"|{greek}|", dots)]
     limits = {"xlim": (1e3 * HEIGHTS[0] - 0.05, 1e3 * HEIGHTS[-1] + 0.05)}
     labels = "height above the matrix, mm", "coefficient, V"
-    return charts.draw([Chart(lines, *labels, log="y", legend="center right", options=limits)], 2.9)
+    return maps.draw([Chart(lines, *labels, log="y", legend="center right", options=limits)], 2.9)
 
 
 def _coefficients(z: float, fit: Fit) -> tuple[str | float, ...]:

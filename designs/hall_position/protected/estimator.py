@@ -13,7 +13,7 @@ from designs.hall_position.protected import metres
 from designs.hall_position.protected.parameters import Tuning
 from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.block import Block
-from synth.blocks.estimate import glsdc_estimator, glsdc_model, screening
+from synth.blocks.estimate import glsdc_estimator, glsdc_model, glsdc_search
 from synth.blocks.estimate.glsdc_integrity import Integrity
 from synth.blocks.estimate.glsdc_model import Implicit, Unknown
 from synth.blocks.estimate.glsdc_search import Search
@@ -43,7 +43,7 @@ def locate(
     array: PlanarArray, time: Discrete, tuning: Tuning, phases: Block, between: Sequence[Block] = ()
 ) -> list[Block]:
     """Return screening, the Blocks `between` it and the estimator of phases, this, and the position in m."""
-    screen = screening.screen(time, channels.voltages(len(array.positions)), groups(array), tuning.repeats)
+    screen = glsdc_search.screen(time, channels.voltages(len(array.positions)), groups(array), tuning.repeats)
     return [screen, *between, phases, metres.metres(array, time, tuning.pitches, phases)]
 
 

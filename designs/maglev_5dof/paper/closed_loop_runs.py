@@ -30,7 +30,7 @@ from synth.declare.stage import Stage
 from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant
-from synth.report.formulas import Formula, is_close
+from synth.report.audit import Formula, is_close
 from synth.simulate import metrics
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from designs.planar_6dof import filtering
 from synth.statespace import Array, StateSpace
-from synth.synthesise.observers import kalman, noise, square_root_kalman
+from synth.synthesise.observers import kalman, square_root_kalman
 from synth.timing import Discrete, period
 
 SECONDS = 1.0  # after which the recursions are compared
@@ -44,7 +44,7 @@ def half_power(form: StateSpace) -> float:
 
 def noise_gain(form: StateSpace) -> float:
     """Return the standard deviation of the estimated position over that of a white measurement."""
-    X = noise.stationary(form.A, form.B @ form.B.T, form.time)
+    X = kalman.stationary(form.A, form.B @ form.B.T, form.time)
     return float(np.sqrt((form.C @ X @ form.C.T + form.D @ form.D.T)[0, 0]))
 
 

@@ -33,8 +33,8 @@ the first such sample determine the suspects, because no state has followed a wr
 CONFIRMATION and within MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is
 complete, and the guard latches in the fifth.
 
-Frozen channel. Where predictions come `from_forces`, `synth.blocks.faults.repeated_codes` watches the converters. The
-first that is frozen is the only suspect, whatever an earlier contradiction has left. The last innovation is added as
+Frozen channel. Where predictions come `from_forces`, the `innovation_monitor` watches the converters. The first that
+is frozen is the only suspect, whatever an earlier contradiction has left. The last innovation is added as
 for a refused voltage: what a torque has in it is more than what a frozen channel has added.
 
 Amplitude. The voltages are multiplied by the scale of `calibration`; with a watch it changes between two:
@@ -63,7 +63,7 @@ from designs.planar_6dof.sensing.calibration import SCALE
 from models import planar_stage
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks.estimate import dead_reckoning
-from synth.blocks.faults import repeated_codes
+from synth.blocks.faults import innovation_monitor
 from synth.blocks.guard import safety
 from synth.fault import Fault
 from synth.plant import Plant
@@ -204,22 +204,22 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         gain = ca.if_else(u["ready"], k["scale_gain"], k["first_scale_gain"])
         corrected = calibration.limit_scale(scale - gain * (X.m + Y.m))
         if from_forces:
-            corrected = ca.if_else(repeated_codes.is_between(x, REPEATS), corrected, scale)
+            corrected = ca.if_else(innovation_monitor.is_between(x, REPEATS), corrected, scale)
         next["scale"] = by_case(corrected, scale, scale)
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
         noticed = confirmed
         if from_forces:
-            watch = repeated_codes.watch(x, [u[s.name] for s in HELD], REPEATS, u["ready"], confirmed)
+            watch = innovation_monitor.watch(x, [u[s.name] for s in HELD], REPEATS, u["ready"], confirmed)
             next |= {name: by_case(value, x[name], x[name]) for name, value in watch.next.items()}
             noticed = watch.flag
         next["contradiction_confirmed"] = by_case(noticed, ca.if_else(left, 1, confirmed), confirmed)
         common = contradictions.is_common_amplitude(x, A)
-        is_common = ca.logic_and(common, x[repeated_codes.FROZEN] < 1) if from_forces else common
+        is_common = ca.logic_and(common, x[innovation_monitor.FROZEN] < 1) if from_forces else common
         output |= {SUSPECTED.name: confirmed, OTHER_AMPLITUDE.name: ca.if_else(confirmed, is_common, 0)}
         unassigned = ca.logic_or(common, contradictions.is_motion_alone(x, A)) if from_forces else common
         for name, flag in contradictions.suspects(x, A, unassigned).items():
             if from_forces:
-                number = x[repeated_codes.FROZEN]
+                number = x[innovation_monitor.FROZEN]
                 flag = ca.if_else(number, number == HALL.index(name) + 1, flag)
             output[f"suspect_{name}"] = flag
         named = list(zip(RATIOS, ratio.values(), strict=True))
@@ -231,7 +231,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
     outputs += [dead_reckoning.MEASURED] if from_forces else []
     states = [*_states(predicted, from_forces), State(SCALE, 1.0)]
-    scale_gains = calibration.scale_gains(cal, repeated_codes.WATCHED if from_forces else 1)
+    scale_gains = calibration.scale_gains(cal, innovation_monitor.WATCHED if from_forces else 1)
     constants = [*pairs.constants(cal, EXCESS_WEIGHT), *scale_gains]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
@@ -258,7 +258,7 @@ def _states(predicted: bool, from_forces: bool) -> list[State]:
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
     last = [] if predicted and not from_forces else [replace(RAW["phi"], about="raw yaw of the sample before")]
-    watch = repeated_codes.states(READ, REPEATS) if from_forces else []
+    watch = innovation_monitor.states(READ, REPEATS) if from_forces else []
     reals = (*shown, *OFFSETS, *([INNOVATION] if from_forces else WITHIN), *last)
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals), *watch]
 
@@ -283,7 +283,7 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
 
 def _motion_numbers(A: float) -> list[Constant]:
     """Return the further numbers where predictions come from the forces."""
-    return [*contradictions.innovation_numbers(A), *repeated_codes.numbers(READ, REPEATS)]
+    return [*contradictions.innovation_numbers(A), *innovation_monitor.numbers(READ, REPEATS)]
 
 
 def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:

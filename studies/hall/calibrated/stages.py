@@ -24,8 +24,8 @@ from studies.hall.calibrated import unit as units
 from studies.hall.calibrated.unit import Unit
 from synth.base.cache import cached
 from synth.block import Exprs
-from synth.blocks.laws import lookup_table, residual_map
-from synth.blocks.laws.residual_map import ResidualMap
+from synth.blocks.laws import lookup_table
+from synth.blocks.laws.lookup_table import ResidualMap
 from synth.errors import ModelError
 from synth.signals import Parameter
 from synth.synthesise.identify import calibration
@@ -205,7 +205,7 @@ def _rotate(v: Numbers, yaw: Numbers) -> Numbers:
 
 
 def _map(fit: Calibration, log: Log) -> ResidualMap:
-    return residual_map.fit(*_field_residuals(fit, log), lookup_table.square(MAP_REACH, MAP_SPACING))
+    return lookup_table.fit(*_field_residuals(fit, log), lookup_table.square(MAP_REACH, MAP_SPACING))
 
 
 def _table(fit: Calibration, of: ResidualMap | None) -> ResidualMap:
@@ -215,7 +215,7 @@ def _table(fit: Calibration, of: ResidualMap | None) -> ResidualMap:
     along = np.linspace(-end, end, FINE * (grid.size[0] - 1) + 1)
     at = np.array(np.meshgrid(along, along)).reshape(2, -1).T
     field = _extra_waves(fit.values, at) + (of.at(at) if of else 0.0)
-    return residual_map.fit(at, field, grid, TABLE_SMOOTHING, UNIT)
+    return lookup_table.fit(at, field, grid, TABLE_SMOOTHING, UNIT)
 
 
 def _extra_waves(values: Mapping[str, float], at: Numbers) -> Numbers:

@@ -25,9 +25,9 @@ from studies.hall.protected.cold_start import ColdStart
 from studies.hall.protected.trust import Outcome, Samples, World
 from synth.base.cache import cached
 from synth.check import Check
-from synth.execute import build, host
-from synth.simulate import stanford
-from synth.simulate.stanford import Diagram
+from synth.execute import host
+from synth.simulate import worst_case
+from synth.simulate.worst_case import Diagram
 
 SEEDS = (11, 12, 13)  # of units as built: two for tuning, one to check it
 COLD_SAMPLES = 125
@@ -62,7 +62,7 @@ def compile_unit(
     It calls sinf and cosf of the C library: each unit has its own ranges, and no C of a unit is shipped.
     """
     block, tuning = estimator.of_unit(field, seed, stage, budget, name)
-    return build.compile_block(block, np.float32, libm=True), tuning
+    return host.compile_block(block, np.float32, libm=True), tuning
 
 
 def world(case: Case, bodies: int, rng: np.random.Generator, refused: Sequence[int] = ()) -> World:
@@ -186,4 +186,4 @@ def join(runs: Sequence[Samples]) -> Samples:
 def diagram(samples: Samples, limit: float, axis: int = 0) -> Diagram:
     """Return the Stanford diagram of X, or of another coordinate; lengths in mm, angles in mrad."""
     errors, levels = (1e3 * v[..., axis].ravel() for v in (samples.errors, samples.levels))
-    return stanford.diagram(errors, levels, samples.valid.ravel(), 1e3 * limit, "mrad" if axis == 2 else "mm")
+    return worst_case.diagram(errors, levels, samples.valid.ravel(), 1e3 * limit, "mrad" if axis == 2 else "mm")

@@ -24,7 +24,7 @@ from studies.hall.loop.closed_loop import PITCH, Source
 from synth.base.cache import cached
 from synth.block import unranged
 from synth.blocks.laws import error_map, lookup_table
-from synth.execute import build
+from synth.execute import host
 from synth.statespace import Array as Numbers
 from synth.statespace import readonly
 from synth.synthesise import digits
@@ -70,7 +70,7 @@ def samples(
     """
     poses = hall_bench.scan(reach, line, AVERAGED_SAMPLES)
     block = unranged(estimator.guarded_estimator(source.array, TIME, closed_loop.TUNING))
-    controller = build.compile_block(block, np.float32, libm=True)
+    controller = host.compile_block(block, np.float32, libm=True)
     outputs = controller.replay(hall_bench.sampled_voltages(bench, poses, TIME, seed)).outputs
     columns = np.stack([np.asarray(outputs[n], np.float64) for n in ("X", "Y", "yaw")], axis=1)
     valid = np.asarray(outputs["valid"]).reshape(-1, AVERAGED_SAMPLES).all(axis=1)

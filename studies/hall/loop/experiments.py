@@ -32,9 +32,8 @@ from studies.hall.loop.stage_loop import TIME, Loop
 from synth.blocks.laws.error_map import ErrorMap
 from synth.check import Check
 from synth.signals import signal_names
-from synth.simulate.experiment import Experiment
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.experiments import Experiment
+from synth.simulate.scenario import Override, Trajectory, sample_times
 from synth.statespace import Array
 
 HORIZONTAL = closed_loop.HORIZONTAL

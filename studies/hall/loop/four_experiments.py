@@ -31,9 +31,8 @@ from studies.hall.loop.four_sensors import AXES
 from studies.hall.loop.stage_loop import TIME, Loop
 from studies.hall.protected import faults, trust
 from synth.check import Check
-from synth.simulate.experiment import Experiment
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.experiments import Experiment
+from synth.simulate.scenario import Override, Trajectory, sample_times
 from synth.statespace import Array
 
 UNAVAILABLE, BEYOND, WRONG = 0.01, 1e-3, 2e-3  # shares of samples

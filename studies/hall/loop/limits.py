@@ -23,7 +23,7 @@ from studies.hall.protected import trust
 from studies.hall.protected.trust import Samples
 from synth.base import progress
 from synth.block import Block
-from synth.execute import build, host
+from synth.execute import host
 
 BODIES, YAW, SEED = 6000, 0.02, 0  # and rad, of the stage
 UNIT = Case(four_sensors.FIELD, four_sensors.SEED)
@@ -44,7 +44,7 @@ def block(limits: str) -> Block:
 @cache
 def controller(limits: str) -> host.Controller:
     """Return the compiled estimator, in single precision."""
-    return build.compile_block(block(limits), np.float32, libm=True)
+    return host.compile_block(block(limits), np.float32, libm=True)
 
 
 def samples(limits: str, fault: str, bodies: int, speed: float = 0.0) -> Samples:

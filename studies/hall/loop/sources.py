@@ -16,10 +16,10 @@ from studies.hall.hall_bench import Bench
 from studies.hall.loop import calibration, stage_loop
 from studies.hall.loop.stage_loop import TIME, Loop
 from synth.check import Check
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.statespace import Array
-from synth.verify import baselines, meter, steps
+from synth.verify import meter, steps
 
 UNITS = {"x": "um", "y": "um", "phi": "urad"}
 MICRO = 1e6
@@ -85,4 +85,4 @@ def instructions(loop: Loop, run: Trajectory) -> list[int]:
     """Return the largest instruction count of a controller step on a Cortex-M4F; empty without the compiler."""
     path = steps.thinned(steps.record(loop.rig.controller, "path", run.measured, closed_loop=True), COUNTED)
     builds = [b for b in meter.builds() if b.name == BUILD]
-    return [int(meter.run(baselines.emitted_c(loop.emitted), path, b).cost.instructions.max()) for b in builds]
+    return [int(meter.run(meter.emitted_source(loop.emitted), path, b).cost.instructions.max()) for b in builds]

@@ -29,7 +29,7 @@ from synth.composition import compose
 from synth.declare.stage import Interface
 from synth.emit import write
 from synth.emit.write import EmittedCode
-from synth.execute import build, host
+from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
@@ -127,5 +127,5 @@ def _loop(
     rig = replace(planar.of(block, controller, declared), plant=_true_plant(bench, gain_ratio))
     step = bench.chain.step
     converted = tuple(replace(s, resolution=step) if s.name in declared.suspected else s for s in declared.sensors)
-    seen = build.compile_block(shown, np.float32, libm=libm, error=error)
+    seen = host.compile_block(shown, np.float32, libm=libm, error=error)
     return Loop(rig.with_interface(sensors=converted), bench, emitted, seen, gain_ratio)

@@ -12,10 +12,9 @@ from models.hall_array import Array
 from models.hall_stage import PUBLISHED, Stage, grid
 from models.hall_two_waves import PlanarArray
 from studies.hall.pages import drawings
-from synth.report import charts, maps
-from synth.report.captions import Content, Rows
-from synth.report.charts import LEVEL, Chart, Line
-from synth.report.maps import Map
+from synth.report import maps
+from synth.report.maps import LEVEL, Chart, Line, Map
+from synth.report.prose import Content, Rows
 
 UM = 1e-6
 POINTS = 96  # points of a map along each side of the pitch
@@ -86,7 +85,7 @@ def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
         largest = fisher.deviations(layout, q)[:2].max(axis=0).reshape(CURVE_YAWS, -1).max(axis=1)
         lines.append(Line(np.degrees(yaws), largest / UM, name, {"lw": 1.2}))
     lines.append(Line(np.degrees(yaws), np.full(CURVE_YAWS, REQUIRED / UM), style={**LEVEL, "ls": ":"}))
-    return charts.draw([Chart(lines, "yaw, °", "largest of X and Y over the pitch, µm", log="y")], 3.0)
+    return maps.draw([Chart(lines, "yaw, °", "largest of X and Y over the pitch, µm", log="y")], 3.0)
 
 
 def _worst(stage: Stage) -> Rows:

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 from matplotlib.figure import Figure
 
 from models.hall_array import Pair
-from synth.report import charts
-from synth.report.charts import Chart, Line
+from synth.report import maps
 from synth.report.figures import COLOURS
+from synth.report.maps import Chart, Line
 
 GREY = {"color": "#bbbbbb", "lw": 0.7}
 SQUARE, SIDES = ([-0.5, 0.5, 0.5, -0.5, -0.5], [-0.5, -0.5, 0.5, 0.5, -0.5]), (-0.72, 0.72)  # pitches
@@ -22,4 +22,4 @@ def layouts(shown: Mapping[str, Sequence[Pair]]) -> Figure:
         sensors = [Line([x], [y], style=style) for (x, y), style in zip(places, letters, strict=False)]
         options = {"xlim": SIDES, "ylim": SIDES, "aspect": "equal"}
         panels.append(Chart([*lines, *sensors], "x, pitches", "y, pitches", title, legend="", options=options))
-    return charts.draw(panels, 2.6)
+    return maps.draw(panels, 2.6)

@@ -9,13 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from synth.blocks.laws.error_map import ErrorMap
-from synth.report import charts, figures, maps, page, standard
-from synth.report.captions import Content, Rows
-from synth.report.charts import Chart, Line
-from synth.report.maps import Map
+from synth.report import figures, maps, page, standard
+from synth.report.maps import Chart, Line, Map
 from synth.report.notation import readable
 from synth.report.presentation import Shown
-from synth.simulate.experiment import Experiment
+from synth.report.prose import Content, Rows
+from synth.simulate.experiments import Experiment
 from synth.statespace import Array
 
 ESTIMATED = ", estimated"
@@ -119,7 +118,7 @@ def _steps(by_name: Mapping[str, Experiment]) -> Figure:
     low, high = min(ends), max(ends)
     close = {"ylim": (low - 0.3 * (high - low), high + 0.3 * (high - low))}
     left = Chart(lines, "time, s", "x, mm", levels=[size], legend="figure")
-    return charts.draw([left, replace(left, ylabel="", options=close)], 2.9)
+    return maps.draw([left, replace(left, ylabel="", options=close)], 2.9)
 
 
 def _zigzags(by_name: Mapping[str, Experiment]) -> Figure:
@@ -134,7 +133,7 @@ def _zigzags(by_name: Mapping[str, Experiment]) -> Figure:
         for name, run in runs.items()
     ]
     parts.append(Chart(lines, "time, s", "distance of the two, mm", "(c)", options={"ylim": (0.0, None)}))
-    return charts.draw(parts, 3.2, (1, 1, 1.5))
+    return maps.draw(parts, 3.2, (1, 1, 1.5))
 
 
 def _decimated_line(time: Array, values: Array, label: str) -> Line:

@@ -14,9 +14,9 @@ from studies.hall.calibrated.survey import Case
 from studies.hall.protected import faults, trust
 from studies.hall.protected.trust import Samples
 from synth.base.progress import Progress
-from synth.report import charts, page
-from synth.report.captions import Content, Rows
-from synth.report.charts import Chart, Line
+from synth.report import maps, page
+from synth.report.maps import Chart, Line
+from synth.report.prose import Content, Rows
 
 SHOWN = 6000  # samples in the diagram
 THREE = "three sensors"
@@ -127,7 +127,7 @@ def stanford(of: Samples) -> Figure:
         options = {"xlim": tuple(ends), "ylim": (alert / 100, alert * 3)}
         labels = f"error of {name}, {unit}", f"protection level, {unit}"
         drawn.append(Chart(lines, *labels, levels=(alert,), log="xy", legend="upper left", options=options))
-    return charts.draw(drawn, 3.2)
+    return maps.draw(drawn, 3.2)
 
 
 def subset_rows(case: Case) -> Rows:

@@ -14,8 +14,8 @@ from studies.hall.pages import drawings
 from studies.hall.protected import spatial
 from synth.analyse.observability.information import Accuracy
 from synth.report import figures, maps, page
-from synth.report.captions import Content
 from synth.report.maps import Map
+from synth.report.prose import Content
 
 POINTS = 48  # of maps, along a pitch
 MIN_SENSORS = 4  # sensors

@@ -11,12 +11,11 @@ from models import hall_two_waves
 from models.hall_motions import Pose
 from studies.hall.trust import endurance, failures, starts
 from studies.hall.trust.estimator_ensemble import EstimatorConfig
-from synth.report import charts, maps, page
-from synth.report.captions import Content, Rows
-from synth.report.charts import Chart, Line
+from synth.report import maps, page
 from synth.report.figures import COLOURS
-from synth.report.maps import Map
-from synth.simulate.ensemble import Scores
+from synth.report.maps import Chart, Line, Map
+from synth.report.prose import Content, Rows
+from synth.simulate.sampling import Scores
 
 NAMES = {config.NAME: "two sensors"}
 RADIUS_POINTS = 24  # along a pitch, in the map of the capture radius
@@ -98,7 +97,7 @@ def cold_starts(configs: EstimatorConfigs) -> dict[str, Content]:
         lines.append(Line(_ms(np.arange(1, COLD_SAMPLES + 1)), valid_share, name, style))
     options = {"ylim": (0.0, 103.0)}
     return {
-        "trust.waits": charts.draw([Chart(lines, "time since init, ms", "valid, %", log="x", options=options)], 2.7),
+        "trust.waits": maps.draw([Chart(lines, "time since init, ms", "valid, %", log="x", options=options)], 2.7),
         "trust.cold_starts": [_cold_start_row(name, each) for name, each in runs.items()],
     }
 

@@ -1,12 +1,12 @@
-"""Faults of a sensor: `synth.simulate.faults.channel_faults` of its first voltage, or of both, which fail together."""
+"""Faults of a sensor: those of `failure_experiments` in its first voltage, or in both, which fail together."""
 
 from synth.errors import ModelError
-from synth.simulate.faults import channel_faults
-from synth.simulate.faults.channel_faults import Fault
+from synth.simulate.faults import failure_experiments
+from synth.simulate.faults.failure_experiments import Fault
 
 OFFSET, DRIFT, END = 0.3, 0.02, 5.0  # V, V a sample, V
-FAULTS = channel_faults.faults(OFFSET, DRIFT, END, "voltage", "sensor")
-LASTING = tuple(f for f in FAULTS if not channel_faults.is_frozen(f))  # faults that there may be from init on
+FAULTS = failure_experiments.faults(OFFSET, DRIFT, END, "voltage", "sensor")
+LASTING = tuple(f for f in FAULTS if not failure_experiments.is_frozen(f))  # faults that there may be from init on
 
 
 def find(fault: str) -> Fault:

@@ -25,7 +25,7 @@ from designs.hall_position.protected import metres
 from models.hall_two_waves import SpatialArray
 from synth import numeric
 from synth.block import Block, Constant, Exprs
-from synth.blocks.estimate import glsdc_estimator, glsdc_model, screening
+from synth.blocks.estimate import glsdc_estimator, glsdc_model, glsdc_search
 from synth.blocks.estimate.glsdc_integrity import Integrity
 from synth.blocks.estimate.glsdc_model import Phase, Unknown
 from synth.blocks.estimate.glsdc_search import Search
@@ -91,7 +91,7 @@ def guarded_estimator(
     phases = estimator(array, time, tuning).renamed({"valid": "phases_valid"})
     located = metres.metres(array, time, tuning.pitches, phases)
     guard = safety.guard(time, [safety.GuardedInput(s, 0.0, True) for s in volts], channels.BAD_SAMPLES)
-    screen = [screening.screen(time, volts, estimators.groups(array), tuning.repeats)] if is_redundant(array) else []
+    screen = [glsdc_search.screen(time, volts, estimators.groups(array), tuning.repeats)] if is_redundant(array) else []
     direct = [s.name for s in phases.outputs if "phase" not in s.name]
     outputs = [*(s.name for s in located.outputs), *direct]
     return compose(name, [guard, *screen, phases, located], inputs=signal_names(volts), outputs=outputs)

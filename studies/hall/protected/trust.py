@@ -25,9 +25,9 @@ from models.hall_motions import Numbers, Pose
 from studies.hall import built_matrix, hall_bench
 from studies.hall.protected import faults
 from synth.errors import ModelError
-from synth.execute import build, host
-from synth.simulate.faults import channel_faults
-from synth.simulate.faults.channel_faults import GroupFailure
+from synth.execute import host
+from synth.simulate.faults import failure_experiments
+from synth.simulate.faults.failure_experiments import GroupFailure
 from synth.statespace import Array
 
 WRONG, WRONG_YAW, SIGMAS = 5e-4, 0.02, 4.0  # m, rad, deviations
@@ -111,8 +111,8 @@ def is_wrong(errors: Numbers) -> Numbers:
 def compile_estimator(tuning: Tuning, name: str = config.NAME) -> host.Controller:
     """Return the estimator's C in single precision; C that does not ship calls sinf and cosf of the C library."""
     if tuning != config.TUNINGS[name]:
-        return build.compile_block(config.block(tuning, name), np.float32, libm=True)
-    return build.compile_block(config.block(tuning, name), np.float32, error=SURROGATE_ERROR[np.float32])
+        return host.compile_block(config.block(tuning, name), np.float32, libm=True)
+    return host.compile_block(config.block(tuning, name), np.float32, error=SURROGATE_ERROR[np.float32])
 
 
 def world(field: str, bodies: int, rng: np.random.Generator, name: str = config.NAME) -> World:
@@ -202,7 +202,7 @@ def simulate(
         V = V + config.array().deviation * rng.standard_normal(V.shape)
         if k >= BEFORE:
             failure.corrupt(V, k - BEFORE)
-        elif channel_faults.is_frozen(fault):
+        elif failure_experiments.is_frozen(fault):
             failure = replace(failure, kept=failure.of_group(V))
         batch = controller.batch(states, motions.by_input(np.clip(V, -faults.END, faults.END)))
         states = batch.states

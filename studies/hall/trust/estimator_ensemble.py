@@ -18,9 +18,9 @@ from models.hall_motions import Course, Numbers, Pose
 from models.hall_two_waves import PlanarArray as Array
 from synth import numeric
 from synth.block import unranged
-from synth.execute import build, host
-from synth.simulate import ensemble
-from synth.simulate.ensemble import Scores
+from synth.execute import host
+from synth.simulate import sampling
+from synth.simulate.sampling import Scores
 
 DEFAULT_TUNING = Tuning()
 
@@ -37,7 +37,7 @@ class EstimatorConfig:
 def compile_estimator(config: EstimatorConfig) -> host.Controller:
     """Return the estimator's C in single precision, compiled."""
     block = estimator.guarded_estimator(config.array, TIME, config.tuning)
-    return build.compile_block(unranged(block), np.float32, error=estimator.SURROGATE_ERROR[np.float32])
+    return host.compile_block(unranged(block), np.float32, error=estimator.SURROGATE_ERROR[np.float32])
 
 
 def states_at(config: EstimatorConfig, pose: Pose, before: Pose | None = None, resolved: bool = True) -> host.Records:
@@ -45,7 +45,7 @@ def states_at(config: EstimatorConfig, pose: Pose, before: Pose | None = None, r
 
     If the ambiguity is not `resolved`, the last good yaw is 0, as after `init`.
     """
-    state = ensemble.initial_states(compile_estimator(config), len(pose.X))
+    state = sampling.initial_states(compile_estimator(config), len(pose.X))
     w, pitch = config.array.wave_number, config.array.pitch
     now, last = (each.place(config.array.centre) for each in (pose, before or pose))
     for axis, at, past in zip("xy", now, last, strict=True):
@@ -109,4 +109,4 @@ def track_scores(
     config: EstimatorConfig, state: host.Records, at: Course, samples: int, rng: np.random.Generator
 ) -> Scores:
     """Return the scores (samples, N) of bodies on a course; raise ModelError as `track`."""
-    return ensemble.stack([scores for _, scores in track(config, state, at, samples, rng)])
+    return sampling.stack([scores for _, scores in track(config, state, at, samples, rng)])

@@ -27,8 +27,8 @@ from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth import numeric
 from synth.errors import ModelError
 from synth.execute import host
-from synth.simulate import ensemble
-from synth.simulate.ensemble import Scores
+from synth.simulate import sampling
+from synth.simulate.sampling import Scores
 from synth.statespace import readonly
 
 MAX_DELAY = 5  # samples from a residual above its limit to the flag, at most
@@ -131,7 +131,7 @@ def _is_flagged(batch: host.Batch) -> NDArray[np.bool_]:
 
 def _outcome(config: EstimatorConfig, samples: Samples) -> FailureResponse:
     batches, each = zip(*samples, strict=True)
-    scores, state = ensemble.stack(each), batches[-1].states
+    scores, state = sampling.stack(each), batches[-1].states
     flag = _first_sample(np.array([_is_flagged(batch) for batch in batches]))
     exceeding = _first_sample(np.array([batch.outputs["residual"] > config.tuning.residual_limit for batch in batches]))
     exceeded, valid = exceeding < AFTER, scores.valid

@@ -22,8 +22,8 @@ from studies.hall.protected.trust import World
 from studies.hall.trust import estimator_ensemble
 from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth import numeric
-from synth.simulate import ensemble
-from synth.simulate.ensemble import Scores
+from synth.simulate import sampling
+from synth.simulate.sampling import Scores
 from synth.statespace import readonly
 
 MAX_DISTANCE, MAX_YAW = 0.5, np.radians(10)  # of the pitch, and rad: largest offsets of starts
@@ -95,7 +95,7 @@ def cold_start(config: EstimatorConfig, pose: Pose, samples: int, speed: float =
     def at(k: int) -> Pose:
         return pose.displaced(speed * k * estimator_ensemble.TIME.period_s, heading)
 
-    state = ensemble.initial_states(estimator_ensemble.compile_estimator(config), n)
+    state = sampling.initial_states(estimator_ensemble.compile_estimator(config), n)
     return estimator_ensemble.track_scores(config, state, at, samples, rng)
 
 

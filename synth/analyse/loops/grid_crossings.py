@@ -21,7 +21,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from synth.analyse.loops.crossings import Crossing, Crossings
 from synth.analyse.loops.transfer import Curve
-from synth.analyse.numerics import refinement
+from synth.analyse.numerics import precise
 from synth.errors import ModelError
 from synth.statespace import Array, Complex
 
@@ -41,8 +41,8 @@ def of_curve(curve: Curve) -> Crossings:
 
 def _unit_gain_frequencies(curve: Curve) -> list[float]:
     """Return the frequencies with |L| = 1; of a flat interval, those with the least phase and delay margin."""
-    value, w = refinement.log_magnitude(curve.value), curve.w
-    frequencies = [] if len(w) < 3 else _roots(lambda v: refinement.log_magnitude(curve.L(v)), w, value)
+    value, w = precise.log_magnitude(curve.value), curve.w
+    frequencies = [] if len(w) < 3 else _roots(lambda v: precise.log_magnitude(curve.L(v)), w, value)
     _require_parity(frequencies, value)
     for flat in _flat_intervals(value):
         phase_margin, w_flat = np.angle(-curve.value[flat]), w[flat]  # rad, to either side
@@ -76,7 +76,7 @@ def _real_frequencies(curve: Curve, gain_frequencies: list[float]) -> list[float
     frequencies = _roots(phase_sine, w, value)
     for flat in _flat_intervals(value):
         inside = [f for f in gain_frequencies if w[flat][0] <= f <= w[flat][-1]]
-        frequencies += inside or [float(w[flat][np.abs(refinement.log_magnitude(curve.value[flat])).argmin()])]
+        frequencies += inside or [float(w[flat][np.abs(precise.log_magnitude(curve.value[flat])).argmin()])]
     return sorted(set(frequencies))
 
 
@@ -134,7 +134,7 @@ def _nodes_near_extrema(w: Array, value: Array) -> NDArray[np.int64]:
     # Beside its least node a smooth f falls by less than four times the rise to the larger neighbour.
     is_candidate &= here < 4 * (np.maximum(before, after) - here)
     # Closer nodes lie on an undamped pole, where L is only rounding error.
-    is_candidate &= w[2:] - w[:-2] > 16 * refinement.MIN_SPACING * w[2:]
+    is_candidate &= w[2:] - w[:-2] > 16 * precise.MIN_SPACING * w[2:]
     is_candidate &= (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (here > FLAT)
     return np.flatnonzero(is_candidate) + 1
 

@@ -207,7 +207,7 @@ def of_controller(
     `actuators` are the wires from the controller's outputs to the plant's inputs, by default those of the interface;
     `coordinates` {name: {sensor: weight}} are sums of sensors at which the loops open instead.
 
-    Raises SignalError for no operating point, or as `equilibrium_equations.SampledLoop`.
+    Raises SignalError for no operating point, or as `equilibrium.SampledLoop`.
     """
     if not points or not cases:
         raise SignalError(

@@ -14,24 +14,168 @@ exact delay and hold (`transfer.with_delay_and_hold`). L is real at w = 0 and at
 may lie there. A continuous loop with |L| >= 1 at infinity tolerates no delay: its delay margin is 0.
 
 Method. Up to EXACT_STATES states, a loop is an exact ratio of two polynomials, and `crossings` isolates every crossing.
-With a delay, `delayed_crossings` encloses L between frequencies. Above EXACT_STATES, `grid_crossings` traces L on a
+With a delay, `crossings` encloses L between frequencies. Above EXACT_STATES, `grid_crossings` traces L on a
 refined grid in double precision. Each margin is then verified independently: the closed loop must have the same number
 of unstable poles at 99 % of the margin, in log gain or in angle, as without it. An unverified margin raises an error,
 and so does a margin that rounding of the loop's coefficients changes by more than MAX_UNCERTAINTY.
+
+Nyquist stability criterion: the number of unstable closed-loop poles of a delayed loop.
+
+With the poles p of the rational factor of L (`transfer`), a factor k and any a > 0,
+
+    g(s) = (1 + k L(s)) prod (s - p) / (s + a)
+
+has no pole in the closed right half-plane. By the argument principle, its number of zeros there is -1 / (2 pi) times
+the phase of g accumulated along the axis from -i inf to i inf. The open-loop poles p are all included, also those on
+the axis and those that cancel in L. For w < 0, g(i w) is the conjugate of g(-i w) with the conjugate of k.
+
+Assessment of a loop for its margins: its crossings, and two independent checks of them.
+
+The first check counts the unstable poles of the closed loop after the loop is multiplied by a complex factor. The
+second bounds the change that rounding of the loop's coefficients can cause. A rational loop is a ratio of polynomials
+and a delayed loop is a sum of logarithms; both are computed without rounding. A loop of many states is traced in
+double precision.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse.loops import assessment, transfer
-from synth.analyse.loops.assessment import Assessment
-from synth.analyse.loops.crossings import Crossing
-from synth.analyse.loops.transfer import Delayed, Loop
+from synth.analyse.loops import crossings, disk, grid_crossings, transfer, zpk
+from synth.analyse.loops.crossings import Crossing, Crossings
+from synth.analyse.loops.disk import Perturbation
+from synth.analyse.loops.transfer import Delayed, Loop, Response
+from synth.analyse.numerics import precise
 from synth.base import cache
 from synth.errors import ModelError
+from synth.statespace import StateSpace, System
+from synth.timing import Continuous
+
+RESOLVED_RETURN_DIFFERENCE = 1e-8  # of |1 + L|: below it rounding hides on which side of -1 the loop passes
+
+
+def count_unstable_poles(
+    loop: Delayed, factor: complex = 1.0, high: float | None = None, L: Response | None = None
+) -> float:
+    """Return the number of unstable poles of the loop closed on `factor` L.
+
+    With a delay, |D| >= 1 and no hold the number is inf: infinitely many poles are unstable or approach the axis. The
+    loop is traced up to `high` rad/s, with the default of `trace`; `L` is its response, if already available.
+
+    Raises ModelError if rounding hides the number.
+    """
+    size, model = abs(factor), loop.model
+    if loop.delay_s and not loop.hold_s and size * abs(float(model.D[0, 0])) >= 1:
+        return np.inf
+    scaled = replace(loop, model=replace(model, C=size * model.C, D=size * model.D))
+    value = L or transfer.response(loop)
+    curve = transfer.trace(scaled, None, high, lambda w: size * value(w))
+    above = _phase_change(model, curve, factor / size)
+    below = above if np.isreal(factor) else _phase_change(model, curve, np.conj(factor) / size)
+    (_, first, _), (_, second, _) = above, below
+    phase = sum(inside + after for inside, _, after in (above, below)) + float(np.angle(np.exp(1j * (first + second))))
+    count = -phase / (2 * np.pi)
+    if abs(count - round(count)) > 0.1:
+        raise ModelError(
+            f"the delayed loop turns {-count:.3g} times around -1, not a whole number: give a lower `low` and a higher "
+            "`high`"
+        )
+    return round(count)
+
+
+def _phase_change(model: StateSpace, curve: transfer.Curve, factor: complex) -> tuple[float, float, float]:
+    """Return the phase of g accumulated over the curve, its angle at the start, and its phase from the end to infinity.
+
+    The half for w < 0 is the conjugate of that for the conjugate factor, and both meet at w = 0.
+    """
+    w, value = precise.refine(lambda v: factor * curve.L(v), curve.w, factor * curve.value)
+    least = int(np.abs(1 + value).argmin())
+    if abs(1 + value[least]) < RESOLVED_RETURN_DIFFERENCE:
+        raise ModelError(
+            f"|1 + L| is {abs(1 + value[least]):.0e} at {w[least]:.6g} rad/s: rounding hides whether the "
+            "delayed loop is stable; change its gain or its delay a little"
+        )
+    s, poles = 1j * w, model.poles
+    scale = float(np.exp(np.log(w[[0, -1]]).mean()))
+    factors = [(s - p) / (s + (abs(p) if abs(p) > w[0] else scale)) for p in poles]
+    g = (1 + value) * np.prod([np.ones(len(s)), *factors], axis=0)
+    steps = np.diff(np.angle(g))
+    inside = float(((steps + np.pi) % (2 * np.pi) - np.pi).sum())
+    after = -float(np.angle(1 + value[-1]) + sum(np.angle(f[-1]) for f in factors))  # all tend to 1
+    return inside, float(np.angle(g[0])), after
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """The crossings of a loop, whether it is stable, and the two checks of the crossings.
+
+    `is_complete` is true if the range of frequency excludes no crossing. `count_unstable` takes a factor on the loop,
+    `disk` takes a frequency in rad/s.
+    """
+
+    crossings: Crossings
+    stable: bool
+    is_complete: bool
+    count_unstable: Callable[[complex], float]
+    perturbation: Callable[[float], Perturbation]
+
+
+def of_rational(system: System, low: float | None, high: float | None) -> Assessment:
+    """Return the assessment of a scalar System from its numerator and denominator polynomials."""
+    loop = zpk.of_system(system)
+    if loop.model.D[0, 0] == -1:
+        raise ModelError(transfer.ILL_POSED)
+    bottom, top = low or 0.0, (high if isinstance(loop.time, Continuous) else None) or np.inf
+    return Assessment(
+        crossings.of_rational(loop, bottom, top),
+        disk.is_stable(loop),
+        bottom == 0 and np.isinf(top),
+        lambda factor: zpk.count_unstable(loop, factor),
+        lambda w: disk.of_rational(loop, w),
+    )
+
+
+def of_delayed_loop(loop: Delayed, low: float | None, high: float | None) -> Assessment:
+    """Return the assessment of a loop with an exact delay and hold."""
+    model = zpk.of_system(loop.model)
+    L = None if model.N.is_zero() else crossings.zero_pole_gain(loop, model).value
+
+    def count_unstable(factor: complex) -> float:
+        return count_unstable_poles(loop, factor, high, L)
+
+    def sensitivity_to_rounding(w: float) -> Perturbation:
+        of_loop = disk.of_rational(model, w).of_loop
+        value = abs(L(w)[0]) / abs(1 + L(w)[0]) if L and np.isfinite(w) else 1.0
+        return Perturbation(of_loop, of_loop * float(value))
+
+    return Assessment(
+        crossings.of_delayed_loop(loop, model, low, high),
+        count_unstable(1.0) == 0,
+        low is None and high is None,
+        count_unstable,
+        sensitivity_to_rounding,
+    )
+
+
+def of_many_states(loop: StateSpace | Delayed, low: float | None, high: float | None) -> Assessment:
+    """Return the assessment of a loop of many states, traced in double precision."""
+    model = loop.model if isinstance(loop, Delayed) else loop
+
+    def count_unstable(factor: complex) -> float:
+        if isinstance(loop, Delayed):
+            return count_unstable_poles(loop, factor, high)
+        return int(transfer.not_decaying(transfer.closed_loop_poles(loop, factor), loop.time).sum())
+
+    return Assessment(
+        grid_crossings.of_curve(transfer.trace(loop, low, high)),
+        count_unstable(1.0) == 0,
+        low is None and (high is None or not isinstance(model.time, Continuous)),
+        count_unstable,
+        lambda w: disk.of_model(model, w),
+    )
+
 
 __all__ = ["GainCrossing", "Margins", "PhaseCrossing", "of_loop", "response"]
 
@@ -162,10 +306,10 @@ def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> 
     model = transfer.of_loop(loop)
     states = (model.model if isinstance(model, Delayed) else model).states
     if len(states) > EXACT_STATES:
-        return _from_assessment(assessment.of_many_states(model, low, high))
+        return _from_assessment(of_many_states(model, low, high))
     if isinstance(model, Delayed) and (model.delay_s or model.hold_s):
-        return _from_assessment(assessment.of_delayed_loop(model, low, high))
-    return _from_assessment(assessment.of_rational(model.model if isinstance(model, Delayed) else loop, low, high))
+        return _from_assessment(of_delayed_loop(model, low, high))
+    return _from_assessment(of_rational(model.model if isinstance(model, Delayed) else loop, low, high))
 
 
 def _from_assessment(loop: Assessment) -> Margins:

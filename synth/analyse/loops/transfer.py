@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, resolvent, show
-from synth.analyse.numerics.refinement import MIN_SPACING, refine
+from synth.analyse.numerics.precise import MIN_SPACING, refine
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Discrete, Time

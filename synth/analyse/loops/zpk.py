@@ -34,9 +34,8 @@ from scipy.optimize import minimize_scalar
 
 from synth.analyse import discretise
 from synth.analyse.numerics import precise
-from synth.conversions import coefficients
 from synth.errors import ModelError
-from synth.statespace import Array, Complex, StateSpace, System, of
+from synth.statespace import Array, Complex, StateSpace, System, coefficients, of
 from synth.timing import Continuous, Time
 
 Polynomial = flint.fmpz_poly

@@ -41,9 +41,8 @@ from synth.blocks.estimate.glsdc_integrity import Integrity, Separation
 from synth.blocks.estimate.glsdc_jacobian import Model
 from synth.blocks.estimate.glsdc_model import Implicit, Measurement, Phase, RotatedMeasurement, Unknown
 from synth.blocks.estimate.glsdc_monitor import Monitor
-from synth.blocks.estimate.glsdc_search import Sample, Search
+from synth.blocks.estimate.glsdc_search import SCREENED, Sample, Search
 from synth.blocks.estimate.glsdc_solution import DYNAMIC_RANGE, Iteration, Normal, Problem
-from synth.blocks.estimate.screening import SCREENED
 from synth.blocks.guard import safety
 from synth.blocks.guard.safety import limit
 from synth.composition import compose

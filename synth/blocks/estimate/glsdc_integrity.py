@@ -75,7 +75,7 @@ class Integrity:
     `false_alarm`: probability that a sample without fault fails the test. `risk`: largest probability that a sample is
     valid and an unknown errs by more than its protection level. With `exclude`, a faulty channel is excluded, or its
     group: `groups` are the channels that fail together, and any other channel is a group by itself, after these.
-    `screened`: a check in front, as `screening.screen`, gives the number of a group to exclude, ``rejected``, and
+    `screened`: a check in front, as `glsdc_search.screen`, gives the number of a group to exclude, ``rejected``, and
     ``screened`` in place of ``complete``. `excluded_limits` multiplies the limits while a group is excluded: what is
     left has less redundancy, and a limit that allows a fault to come may be too wide for one that is there.
 

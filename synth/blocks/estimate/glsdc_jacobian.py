@@ -6,7 +6,7 @@ with W lower triangular and s = 1, or with W = I and s^2 the common variance of 
 needs no multiplication.
 
 A periodic unknown q_i of period T_i also enters h by the cosine and the sine of 2 pi q_i / T_i, an angle and a Phase
-a(q) by their own. They are computed once a sample, at the prediction; a trial rotates them (`glsdc_linearisation`).
+a(q) by their own. They are computed once a sample, at the prediction; a trial rotates them.
 Chain rule:
 
     dh/dq_i = dh/dq_i |c,s + sum over angles a of (c dh/ds - s dh/dc) da/dq_i,   c = cos a,  s = sin a

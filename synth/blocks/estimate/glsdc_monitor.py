@@ -29,8 +29,8 @@ from synth.blocks.estimate import glsdc, glsdc_integrity, glsdc_solution
 from synth.blocks.estimate.glsdc import LdlFactors, Solution, Vector
 from synth.blocks.estimate.glsdc_integrity import ROUNDING, Hypotheses, Integrity, Separation, Thresholds
 from synth.blocks.estimate.glsdc_jacobian import Linearisation, Model
+from synth.blocks.estimate.glsdc_search import SCREENED
 from synth.blocks.estimate.glsdc_solution import DYNAMIC_RANGE, Iteration, Problem
-from synth.blocks.estimate.screening import SCREENED
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal
 

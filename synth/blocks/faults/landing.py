@@ -28,8 +28,7 @@ from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks.guard import safety
 from synth.errors import SignalError
-from synth.failure import Failure, enumeration
-from synth.fault import BRAKING_BIT, Fault
+from synth.fault import BRAKING_BIT, Failure, Fault, enumeration
 from synth.signals import Signal
 from synth.timing import Discrete
 

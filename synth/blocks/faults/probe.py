@@ -23,7 +23,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
-from synth.failure import Failure
+from synth.fault import Failure
 from synth.signals import Signal
 from synth.timing import Discrete
 

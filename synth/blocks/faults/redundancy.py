@@ -40,7 +40,7 @@ from synth.blocks.faults.redundancy_decision import DOUBTS, FRESH, STILL, Decisi
 from synth.blocks.guard import safety
 from synth.blocks.guard.safety import REFUSED
 from synth.errors import SignalError
-from synth.failure import Failure, enumeration
+from synth.fault import Failure, enumeration
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 

@@ -18,7 +18,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Step, build
 from synth.errors import SignalError
-from synth.failure import Failure
+from synth.fault import Failure
 from synth.signals import Signal
 from synth.timing import Discrete
 

@@ -42,8 +42,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build
 from synth.errors import SignalError
-from synth.failure import Failure, enumeration
-from synth.fault import BRAKING_BIT, Judgement
+from synth.fault import BRAKING_BIT, Failure, Judgement, enumeration
 from synth.signals import Signal
 from synth.timing import Discrete
 

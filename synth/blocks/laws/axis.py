@@ -6,7 +6,7 @@
 
 `axis_regulator` states the optimisation problem of one axis. An axis of a linear model commands its actuator directly.
 For an axis whose model is a chain of a feedback linearisation, the inverse of the plant (`axis_regulator`) converts the
-demand into the actuators' values. `axis_blocks` makes the Blocks.
+demand into the actuators' values. `servo_blocks` makes the Blocks.
 
 Servo LQG axis as a Block: signals from a stage's interface, and a bound derived for each state.
 

@@ -4,7 +4,7 @@ An entry of 0 produces no code, and an entry of 1 or -1 no multiplication. Every
 ``<output>_from_<u>`` or ``next_<state>_from_<u>``: emission rounds it once, and the C shows which entry it is.
 
 With a Start the state is a after init. The first step takes x = a + G u, limited to its range, with its own inputs u.
-An estimate then begins at the first measurement (`estimator_start`), without a transient from 0.
+An estimate then begins at the first measurement (`lqg.from_measurement`), without a transient from 0.
 """
 
 from collections.abc import Sequence

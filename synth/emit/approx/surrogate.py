@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.analyse.numerics.precise import precision
-from synth.emit.approx import certificate, enclosure, minimax, polynomial
+from synth.emit.approx import certificate, enclosure, polynomial
 from synth.emit.approx.enclosure import Analytic, Enclosure
 from synth.emit.approx.polynomial import Polynomial, Scalars
 from synth.errors import EmitError
@@ -86,7 +86,7 @@ def least_degree(
     with precision(enclosure.BITS):
         task = _task(f, low, high, scalar, what, None)
         for n in range(_max_terms(task.g)):
-            if minimax.fit(task.y, task.values, n).error <= allowed:
+            if polynomial.fit(task.y, task.values, n).error <= allowed:
                 return (n if task.g.parity == "none" else 2 * n) + task.g.power
     raise EmitError(
         f"{what}: no polynomial of degree up to {DEGREE} comes within {allowed:.2g} of it; "
@@ -132,7 +132,7 @@ def _search(task: _Task, allowed: float) -> Polynomial:
     """Return the first polynomial that is certified, for increasing degrees."""
     approximation, closest = np.inf, Polynomial(task.low, task.high, 0.0, 1.0, "none", (0.0,), task.scalar)
     for n in range(_max_terms(task.g)):
-        best = minimax.fit(task.y, task.values, n)
+        best = polynomial.fit(task.y, task.values, n)
         approximation = min(approximation, best.error)
         if best.error > allowed:
             continue
@@ -192,7 +192,7 @@ def _fit_about_centre(task: _Task, series: flint.arb_poly, centre: float) -> Pol
             c, flint.arb(half_width * scale) ** (2 if even else 1), max(map(abs, values), key=float)
         )
         if all(_fits(term, task.scalar) for term in c):
-            coefficients = minimax.round_coefficients(c, v, values, task.scalar)
+            coefficients = polynomial.round_coefficients(c, v, values, task.scalar)
             vanishing = (0.0,) if g.power and not even else ()
             return Polynomial(task.low, task.high, centre, scale, g.parity, vanishing + coefficients, task.scalar)
     return None

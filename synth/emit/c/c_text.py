@@ -4,12 +4,20 @@
     uint32_t <name>_step(<name>_state_t *state, const <name>_input_t *in, <name>_output_t *out);   fault bits
 
 The constants are local to the step, their only reader; one that a single section reads stands at its head.
+
+CasADi's C code generator (`CodeGenerator`), in double: an oracle for the emitted C, and plant code in simulations.
+
+Each function becomes `int name(const double **arg, double **res, long long *iw, double *w, int mem)`. Arguments and
+results hold the nonzeros of CasADi's sparse matrices, column by column.
 """
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from functools import partial
 from textwrap import wrap
+
+import casadi as ca
 
 from synth.block import Block
 from synth.emit.c import diagnostics, routines
@@ -22,7 +30,26 @@ from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program.layout import Layout
 from synth.emit.program.lower import Program
 from synth.emit.program.operations import LIBM
-from synth.emit.proof.kinds import kinds
+from synth.emit.proof.ranges import kinds
+from synth.errors import EmitError
+
+
+def functions(functions: Sequence[ca.Function], name: str) -> dict[str, str]:
+    """Return `{name.c: text}` that exports every function under its own name.
+
+    Raises EmitError when there is no function, when two share a name, or when `name` is not an identifier of C.
+    """
+    names = [f.name() for f in functions]
+    if not re.fullmatch(r"[A-Za-z]\w*", name):
+        raise EmitError(f"C file: found the name {name!r}, need an identifier; use letters, digits and underscores")
+    if not names or len(set(names)) < len(names):
+        raise EmitError(
+            f"CasADi functions of '{name}': found {names}, need at least one and no name twice; rename them"
+        )
+    generator = ca.CodeGenerator(name, {"with_header": False})
+    for f in functions:
+        generator.add(f)
+    return {f"{name}.c": generator.dump()}
 
 
 def source(

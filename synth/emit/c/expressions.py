@@ -9,7 +9,7 @@ import numpy as np
 from synth.emit.program.layout import CTYPES
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LIBM, LOGICAL
-from synth.emit.proof import kinds as carriers
+from synth.emit.proof import ranges as carriers
 from synth.emit.proof.conditions import bounds_of_squares
 from synth.errors import EmitError
 

@@ -1,16 +1,62 @@
-"""C header of a lowered Block: how to call it, three structs, `init` and `step`; C++ may include it."""
+"""C header of a lowered Block: how to call it, three structs, `init` and `step`; C++ may include it.
+
+Table of failures in the header: one row a failure, its cells wrapped in columns.
+"""
 
 from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 from textwrap import wrap
 
 from synth.block import Block, Constant, Fault
 from synth.blocks.guard import missed_calls
 from synth.blocks.guard import safety as guards
-from synth.emit.c import diagnostics, failure_table, routines
+from synth.emit.c import diagnostics, routines
 from synth.emit.c.lines import member, prose, rows
 from synth.emit.program.layout import Layout, Struct
 from synth.emit.program.lower import Program
+from synth.fault import Failure
 from synth.signals import Signal
+
+COLUMNS = {"what fails": 20, "noticed by, and when": 33, "used instead": 18, "what follows": 37}
+_BETWEEN = " | "
+
+
+def failure_rows(block: Block) -> list[str]:
+    """Return the lines of the table of a Block, none for one without failures."""
+    if not block.failures:
+        return []
+    rule = "-+-".join("-" * width for width in COLUMNS.values())
+    lines = _row(tuple(COLUMNS))
+    for f in block.failures:
+        noticed = "; ".join(filter(None, (_bits(block, f), f.noticed)))
+        lines += [rule, *_row((f.what, noticed, f.instead, f.reaction))]
+    return lines
+
+
+def _bits(block: Block, failure: Failure) -> str:
+    """Return the bits of the fault word that a failure sets."""
+    bits = [
+        *(f.bit for f in block.faults if f.input in failure.inputs),
+        *(f.bit for f in block.faults if f.suspect in failure.suspects),
+    ]
+    runs: list[list[int]] = []
+    for bit in sorted(bits):
+        if runs and bit == runs[-1][-1] + 1:
+            runs[-1].append(bit)
+        else:
+            runs.append([bit])
+    texts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
+    return f"{'bit' if len(bits) == 1 else 'bits'} {', '.join(texts)}" if bits else ""
+
+
+def _row(texts: Sequence[str]) -> list[str]:
+    """Return the lines of a row."""
+    columns = [wrap(prose(t), width, break_on_hyphens=False) for t, width in zip(texts, COLUMNS.values(), strict=True)]
+    return [
+        _BETWEEN.join(cell.ljust(width) for cell, width in zip(line, COLUMNS.values(), strict=True)).rstrip()
+        for line in zip_longest(*columns, fillvalue="")
+    ]
+
 
 WIDTH = 117
 _ITEM = "  - "  # begins an item of a list
@@ -91,7 +137,7 @@ def _usage(
         *_safe_output(block),
         *_replacements(block),
         *_missed_calls(block),
-        *(["What may fail, and what follows:", failure_table.rows(block)] if block.failures else []),
+        *(["What may fail, and what follows:", failure_rows(block)] if block.failures else []),
         *notes,
         f"The gains and numbers in {name}.c hold for one plant and one period: for other masses, geometry or magnets, "
         "or another period, generate the files again. gains.json and manifest.json say where each number comes from.",

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from synth.block import Block
 from synth.emit.c import diagnostics
 from synth.emit.c.expressions import INLINE, RESERVED, constant
-from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
+from synth.emit.passes.outline import Assign, Branch, Let, Statement, Store
 from synth.emit.program.lower import Node, Program
 
 LOADS = ("input", "state")

@@ -1,4 +1,7 @@
-"""Manifest: the C interface as JSON (functions, struct layouts, faults, safety, surrogates, trace, checksums)."""
+"""Manifest: the C interface as JSON (functions, struct layouts, faults, safety, surrogates, trace, checksums).
+
+Test vectors: recorded inputs and the responses of the emitted C, step by step from `init`, for any test harness.
+"""
 
 import hashlib
 import json
@@ -7,6 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synth.block import LATCH_BIT, Block, Constant, Fault
 from synth.emit.c.lines import Line
@@ -136,3 +140,20 @@ def _short_rows(text: str) -> str:
         out.append(line)
         k += 1
     return "\n".join(out)
+
+
+Columns = Mapping[str, NDArray[Any]]
+
+
+def document(inputs: Columns, outputs: Columns, faults: NDArray[np.uint32]) -> str:
+    """Return vectors.json: columns (N,) by name, numbers in the fewest digits that read back in their scalar type."""
+
+    def lists(columns: Columns) -> dict[str, list[float]]:
+        return {name: [float(str(v)) for v in column] for name, column in columns.items()}
+
+    return dumps({"inputs": lists(inputs), "outputs": lists(outputs), "faults": [int(f) for f in faults]})
+
+
+def inputs(text: str) -> dict[str, NDArray[np.float64]]:
+    """Return the inputs (N,) by name from the text of vectors.json."""
+    return {name: np.array(column, dtype=np.float64) for name, column in json.loads(text)["inputs"].items()}

@@ -19,9 +19,9 @@ from synth.emit.c.routine import Routine
 from synth.emit.c.sections import Headings, Sections
 from synth.emit.passes import schedule
 from synth.emit.passes.guards import guard_function
-from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
+from synth.emit.passes.outline import Assign, Branch, Let, Statement, Store
 from synth.emit.program.lower import Node, Program
-from synth.emit.proof.kinds import kinds
+from synth.emit.proof.ranges import kinds
 
 _WIDTH = 108
 

@@ -11,7 +11,7 @@ from synth.emit.c.naming import Naming
 from synth.emit.passes.outline import Form, Part
 from synth.emit.program import words
 from synth.emit.program.lower import Node, Program
-from synth.emit.proof.kinds import kinds
+from synth.emit.proof.ranges import kinds
 
 Group = list[tuple[Part, Form]]
 BY_VALUE = 3  # numbers that need no struct, where the code reads each of them

@@ -11,7 +11,7 @@ from textwrap import wrap
 import numpy as np
 
 from synth.block import Block, Constant
-from synth.emit.c import calls, printer
+from synth.emit.c import printer, sections
 from synth.emit.c.expressions import Text, literal
 from synth.emit.c.lines import Line, comment, member, opening, prose
 from synth.emit.c.routine import Call, Routine
@@ -41,7 +41,7 @@ def large(block: Block) -> str:
 def state_types(block: Block, p: Program) -> dict[str, str]:
     """Return by Block of the composition the type of its struct of states."""
     types: dict[str, str] = {}
-    for blocks in calls.forms(p).values():
+    for blocks in sections.forms(p).values():
         part = words.common(blocks) or blocks[0]
         name, n = part, 2
         while f"{block.name}_{name}_state_t" in types.values():

@@ -25,7 +25,7 @@ from synth.emit.passes.univariate import Analytic, Key
 from synth.emit.program import words
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LIBM
-from synth.emit.proof import ranges, wording
+from synth.emit.proof import conditions, ranges
 from synth.errors import EmitError
 
 MOST_NAMED = 4  # variables of a polynomial that its comment names
@@ -228,7 +228,7 @@ def _rewrite(
             stem = common or (signals[0] if all(signals) else _function_name(program, names, k))
             name = _unused_name(stem, {s.name for s in surrogates.values()})
             about = _describe_variables(program, names, [*dict.fromkeys(best[root][0] for root in roots[p])])
-            function = wording.function(program, k, variable) or name
+            function = conditions.function(program, k, variable) or name
             tags = (common,) if common else signals if all(signals) else (function,)
             surrogates[p] = Surrogate(name, tags, about, p)
         t = index[variable]
@@ -283,9 +283,9 @@ def _describe_variables(program: Program, names: Mapping[int, str], variables: S
 def _describe_variable(program: Program, names: Mapping[int, str], k: int) -> str:
     """Describe a node: as a signal, a reciprocal, a sum or difference of others, or else as an expression."""
     node = program.nodes[k]
-    sides = [names.get(a) or wording.expression(program, a, spelled=False) for a in node.args]
+    sides = [names.get(a) or conditions.expression(program, a, spelled=False) for a in node.args]
     if k in names or node.op not in ("inv", "div", "add", "sub"):
-        return names.get(k) or wording.expression(program, k, spelled=False)
+        return names.get(k) or conditions.expression(program, k, spelled=False)
     if node.op in ("add", "sub"):
         return f"{sides[0]} {'+' if node.op == 'add' else '-'} {sides[1]}"
     return f"{sides[0] if node.op == 'div' else 1} / ({_describe_variable(program, names, node.args[-1])})"

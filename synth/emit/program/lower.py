@@ -2,14 +2,18 @@
 
 Common subexpressions are eliminated first. Marks record the intermediate signals of the composition. CasADi's pair of
 `if_else_zero` and a negated condition becomes a single choice again. The fault word is built bit by bit.
+
+NumPy evaluation of programs: the value of each node for arrays of loads, in double.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import Any
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from synth.block import Block, ComputedSignal
 from synth.emit.approx.polynomial import Polynomial
@@ -296,3 +300,52 @@ def _without_dead_nodes(p: Program) -> Program:
     word = None if p.word is None else index[p.word]
     labels = {index[k]: name for k, name in p.labels.items() if k in index}
     return replace(p, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels)
+
+
+Array = NDArray[Any]
+
+OPERATIONS: dict[str, Callable[..., Any]] = {
+    "neg": np.negative,
+    "inv": np.reciprocal,
+    "sq": np.square,
+    "twice": lambda a: a + a,
+    "not": np.logical_not,
+    "add": np.add,
+    "sub": np.subtract,
+    "mul": np.multiply,
+    "div": np.divide,
+    "fma": lambda a, b, c: a * b + c,  # rounded twice, unlike in C
+    "min": np.minimum,
+    "max": np.maximum,
+    "lt": np.less,
+    "le": np.less_equal,
+    "eq": np.equal,
+    "ne": np.not_equal,
+    "and": np.logical_and,
+    "or": np.logical_or,
+    "when": lambda condition, a: np.where(condition, a, 0.0),
+    "choose": np.where,
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan": np.arctan,
+    "atan2": np.arctan2,
+    **{name: getattr(np, name) for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "sinh", "cosh", "tanh")},
+    **{name: getattr(np, name) for name in ("fabs", "floor")},
+}
+
+
+def evaluate(program: Program, targets: Iterable[int], known: Mapping[int, Array]) -> dict[int, Array]:
+    """Return the values of the `targets` and of what they follow from; `known` has those of the loads, by node."""
+    values, waiting = dict(known), list(targets)
+    while waiting:
+        k = waiting[-1]
+        node = program.nodes[k]
+        missing = [a for a in node.args if a not in values] if k not in values else []
+        waiting += missing
+        if missing:
+            continue
+        waiting.pop()
+        if k not in values:
+            arguments = [values[a] for a in node.args]
+            values[k] = np.array(node.value) if node.op == "literal" else OPERATIONS[node.op](*arguments)
+    return values

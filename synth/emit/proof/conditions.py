@@ -9,16 +9,94 @@ Rounding to nearest is monotone, so a sum of numbers that are not negative is no
 square of u is at most h. Then u^2 is below the number after h.
 
 A comparison with NaN is false. Only a comparison that holds therefore implies that its sides are not NaN.
+
+Descriptions of a program's nodes for messages: the signal, the expression in C syntax, values with units.
+
+Proof obligations of operations: a nonzero denominator, a nonnegative argument of a root, and so on.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 
-from synth.emit.program.lower import Node
+from synth.block import Block
+from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LOGICAL
-from synth.emit.proof.interval import Array, Interval, hull, intersection
+from synth.emit.proof.interval import Array, Interval, Mask, hull, intersection
+
+_INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/", "lt": "<", "le": "<=", "eq": "==", "ne": "!="}
+_INFIX |= {"and": "&&", "or": "||", "sq": "*"}
+_PREFIX = {"neg": "-", "not": "!", "twice": "2 * ", "inv": "1 / "}
+_DEEPEST, _LONGEST, _SHORT = 8, 160, 40  # limits of nesting depth and of characters
+
+
+def signal(program: Program, k: int) -> str:
+    """Return the first signal, in the order of the composition, that depends on node k."""
+    named = next((named for named, at in program.marks if k in _cone(program, at)), None)
+    if named is None:
+        return "the next states"
+    return f"'{named.signal.name}' (block '{named.block}'" + (f", {named.tag})" if named.tag else ")")
+
+
+def _cone(program: Program, k: int) -> set[int]:
+    nodes, waiting = set[int](), [k]
+    while waiting:
+        k = waiting.pop()
+        if k not in nodes:
+            nodes.add(k)
+            waiting += program.nodes[k].args
+    return nodes
+
+
+def expression(program: Program, k: int, spelled: bool = True) -> str:
+    """Return node k as text, `spelled` out even if it has a name; deeply nested operands become (...)."""
+    names = {at: named.signal.name for named, at in program.marks}
+    names |= {at: node.name for at, node in enumerate(program.nodes) if node.name}
+    if k in names and (not spelled or program.nodes[k].name):
+        return names[k]
+    names.pop(k, None)
+    texts = (_text(program, names, k, depth) for depth in range(_DEEPEST, 0, -1))
+    return next((t for t in texts if len(t) <= _LONGEST), _text(program, names, k, 1))
+
+
+def function(program: Program, root: int, variable: int) -> str:
+    """Return node `root` as a function of x, the node `variable`, "" where the text is long."""
+    names = {at: node.name for at, node in enumerate(program.nodes) if node.op == "constant"} | {variable: "x"}
+    text = _text(program, names, root, _DEEPEST)
+    return "" if len(text) > _SHORT else text[1:-1] if text.startswith("(") else text
+
+
+def _text(program: Program, names: dict[int, str], k: int, depth: int) -> str:
+    node = program.nodes[k]
+    if k in names:
+        return names[k]
+    if node.op == "literal":
+        return f"{node.value:.9g}"
+    if not depth:
+        return "(...)"
+    sides = [_text(program, names, a, depth - 1) for a in node.args]
+    if node.op in _INFIX:
+        return f"({sides[0]} {_INFIX[node.op]} {sides[-1]})"
+    if node.op in ("choose", "when"):
+        return f"({sides[0]} ? {sides[1]} : {sides[2] if node.op == 'choose' else '0'})"
+    if node.op in _PREFIX:
+        return f"({_PREFIX[node.op]}{sides[0]})"
+    return f"{node.op}{sides[0]}" if len(sides) == 1 and sides[0][0] == "(" else f"{node.op}({', '.join(sides)})"
+
+
+def values(block: Block, program: Program, leaves: Sequence[int], low: Array, high: Array) -> str:
+    """Return the leaves' values, or ranges, with units."""
+    units = {s.name: s.unit for s in (*block.inputs, *(s.signal for s in block.states))}
+    units |= {named.signal.name: named.signal.unit for named, _ in program.marks}
+    rows = []
+    for leaf, first, last in zip(leaves, low, high, strict=True):
+        name = expression(program, leaf, spelled=False)
+        text = f"{first:.9g}" if first == last else f"{first:.9g} .. {last:.9g}"
+        rows.append(f"{name} = {text}" + (f" {units[name]}" if name in units else ""))
+    return ", ".join(rows)
+
 
 Narrowing = dict[int, Interval]
 Decided = tuple[int, bool]  # a condition, and whether it holds
@@ -184,3 +262,136 @@ def _upper_root(high: Array) -> Array:
     above = high.dtype.type(inf)
     root = np.nextafter(np.sqrt(np.nextafter(np.maximum(high, 0), above)), above)
     return np.where(high < 0, -root, root)
+
+
+Test = Callable[[Interval, list[Interval]], Mask]  # of an operation's result and arguments (n,)
+
+
+@dataclass(frozen=True)
+class Obligation:
+    """A condition that an operation needs: `holds` and `fails` are both certain, otherwise it is undecided.
+
+    `value` must not vanish and, if `signed`, must not change its sign. `watched` are the positions of the arguments on
+    which the condition depends.
+    """
+
+    need: str
+    quantity: str
+    watched: tuple[int, ...]
+    holds: Test
+    fails: Test
+    value: Callable[[list[Interval]], Array]
+    signed: bool = False
+    mend: str = (
+        "narrow the ranges of the signals named, limit the argument (fmax, fmin), or write the expression in another "
+        "form"
+    )
+
+
+def _middle(a: Interval) -> Array:
+    return np.where(a.nan, np.nan, a.low + (a.high - a.low) / 2)
+
+
+def _division(watched: int) -> Obligation:
+    def holds(q: Interval, args: list[Interval]) -> Mask:
+        below = args[-1]
+        return ~below.zero & ~below.nan & (q.finite | ~args[0].finite)
+
+    def fails(q: Interval, args: list[Interval]) -> Mask:
+        below = args[-1]
+        zero = (below.low == 0) & (below.high == 0) & ~below.nan
+        return zero | (args[0].finite & ((q.low == inf) | (q.high == -inf)))
+
+    need = "its denominator must exclude 0 and leave the quotient finite"
+    return Obligation(need, "the denominator", (watched,), holds, fails, lambda args: _middle(args[-1]), True)
+
+
+def _inside(low: float, high: float, need: str, quantity: str, value: Callable[[Array], Array]) -> Obligation:
+    return Obligation(
+        need,
+        quantity,
+        (0,),
+        lambda y, args: (args[0].low >= low) & (args[0].high <= high) & ~args[0].nan,
+        lambda y, args: (args[0].high < low) | (args[0].low > high),
+        lambda args: value(_middle(args[0])),
+    )
+
+
+_UNIT = _inside(-1, 1, "its argument must lie in -1 .. 1", "1 - |argument|", lambda x: 1 - np.abs(x))
+
+_OF: dict[str, Obligation] = {
+    "div": _division(1),
+    "inv": _division(0),
+    "floor": _inside(
+        0, 2.0**31, "its argument must lie in 0 .. 2^31, because C truncates it in 32 bits", "the argument", lambda x: x
+    ),
+    "sqrt": _inside(0, inf, "its argument must not be negative", "the argument", lambda x: x),
+    "log": Obligation(
+        "its argument must be positive",
+        "the argument",
+        (0,),
+        lambda y, args: (args[0].low > 0) & ~args[0].nan,
+        lambda y, args: args[0].high <= 0,
+        lambda args: _middle(args[0]),
+    ),
+    "asin": _UNIT,
+    "acos": _UNIT,
+    "tan": Obligation(
+        "its argument must stay away from the poles",
+        "the cosine of the argument",
+        (0,),
+        lambda y, args: y.finite,
+        lambda y, args: np.zeros_like(y.nan),
+        lambda args: np.cos(_middle(args[0])),
+        True,
+    ),
+    "atan2": Obligation(
+        "its arguments must not both be 0",
+        "the arguments' distance from (0, 0)",
+        (0, 1),
+        lambda y, args: ~(args[0].zero & args[1].zero) & ~args[0].nan & ~args[1].nan,
+        lambda y, args: np.logical_and.reduce([(a.low == 0) & (a.high == 0) for a in args]),
+        lambda args: np.hypot(_middle(args[0]), _middle(args[1])),
+    ),
+}
+
+
+def of(op: str, size: int) -> Obligation | None:
+    """Return the obligation of an operation, or None; `size` is the number of values of a table."""
+    if op == "table":
+        need = f"its index must lie in 0 .. {size - 1}"
+        return _inside(
+            0, size - 1, need, "the distance of the index from the nearer end", lambda x: np.minimum(x, size - 1 - x)
+        )
+    return _OF.get(op)
+
+
+FINITE = Obligation(
+    "it must be a finite number",
+    "its reciprocal",
+    (),
+    lambda y, args: y.finite,
+    lambda y, args: (y.low == inf) | (y.high == -inf),
+    lambda args: 1 / _middle(args[0]),
+)
+
+
+def between(low: float, high: float, unit: str) -> Obligation:
+    """Return the obligation that a result itself, in `unit`, lies in low .. high."""
+
+    def holds(y: Interval, args: list[Interval]) -> Mask:
+        return (y.low >= low) & (y.high <= high) & ~y.nan
+
+    def fails(y: Interval, args: list[Interval]) -> Mask:
+        return (y.low > high) | (y.high < low)
+
+    return Obligation(
+        f"it must stay in its declared range {low:.9g} .. {high:.9g} {unit}",
+        "it",
+        (),
+        holds,
+        fails,
+        lambda sides: _middle(sides[0]),
+        mend="limit it in the law, as block.clip(y, signal) does, declare the range that it has, or, only to look at "
+        "it on the host, take block.unranged",
+    )

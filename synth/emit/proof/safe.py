@@ -16,8 +16,8 @@ from synth.block import Block
 from synth.emit.program.layout import layout
 from synth.emit.program.lower import Program
 from synth.emit.program.operations import LOGICAL
-from synth.emit.proof import bisection, obligations, wording
-from synth.emit.proof.graph import LOADS, SELECTIONS, Structure, nodes_between, structure
+from synth.emit.proof import bisection, conditions
+from synth.emit.proof.bisection import LOADS, SELECTIONS, Structure, nodes_between, structure
 from synth.emit.proof.interval import Array, Interval, interval
 from synth.emit.proof.ranges import Arithmetic, Range, enclose, narrow_under
 from synth.errors import EmitError
@@ -31,7 +31,7 @@ class _Claim:
     """An obligation of node k, which depends on the nodes `watched`, wherever the guards hold."""
 
     k: int
-    obligation: obligations.Obligation
+    obligation: conditions.Obligation
     watched: tuple[int, ...]
     guards: frozenset[Guard]
 
@@ -53,9 +53,9 @@ def require_safe(
     claims = [
         _Claim(k, d, tuple(node.args[i] for i in d.watched), guards[k])
         for k, node in enumerate(program.nodes)
-        if (d := obligations.of(node.op, len(program.tables.get(node.name, ()))))
+        if (d := conditions.of(node.op, len(program.tables.get(node.name, ()))))
     ]
-    claims += [_Claim(k, obligations.FINITE, (k,), frozenset()) for k in dict.fromkeys(ends)]
+    claims += [_Claim(k, conditions.FINITE, (k,), frozenset()) for k in dict.fromkeys(ends)]
     for claim in claims:
         if _holds(s, claim, R):
             continue
@@ -77,7 +77,7 @@ def require_output_ranges(program: Program, ranges: tuple[Range, ...], block: Bl
     for field in layout(block, scalar).output.fields:
         if field.name in program.outputs:
             k = program.outputs[field.name]
-            claim = _Claim(k, obligations.between(field.low, field.high, field.unit), (k,), frozenset())
+            claim = _Claim(k, conditions.between(field.low, field.high, field.unit), (k,), frozenset())
             if not _holds(s, claim, R):
                 _prove(s, arithmetic, R, {}, claim, block)
 
@@ -195,17 +195,17 @@ def _refusal(
     cut: tuple[int, ...],
     verdict: bisection.Verdict,
 ) -> str:
-    watched = ", ".join(f"`{wording.expression(program, k)}`" for k in claim.watched)
+    watched = ", ".join(f"`{conditions.expression(program, k)}`" for k in claim.watched)
     if not claim.obligation.watched:
         what = f"{_end(program, claim.k)} = {watched} of block '{block.name}'"
-        origin = _origin(program, R, claim.k) if claim.obligation is obligations.FINITE else claim.k
-        origin_text = "" if origin == claim.k else f"; it begins at `{wording.expression(program, origin)}`"
+        origin = _origin(program, R, claim.k) if claim.obligation is conditions.FINITE else claim.k
+        origin_text = "" if origin == claim.k else f"; it begins at `{conditions.expression(program, origin)}`"
     else:
         op = program.nodes[claim.k].op
         name = "division by" if op in ("div", "inv") else f"{op} of"
-        what, origin_text = f"the {name} {watched} in {wording.signal(program, claim.k)}", ""
-    point = wording.values(block, program, cut, verdict.point, verdict.point) if len(verdict.point) else ""
-    cell = wording.values(block, program, cut, verdict.low, verdict.high) if len(verdict.low) else ""
+        what, origin_text = f"the {name} {watched} in {conditions.signal(program, claim.k)}", ""
+    point = conditions.values(block, program, cut, verdict.point, verdict.point) if len(verdict.point) else ""
+    cell = conditions.values(block, program, cut, verdict.low, verdict.high) if len(verdict.low) else ""
     if not cut:
         where = "its operands are unbounded"
     elif verdict.fails:

@@ -17,7 +17,7 @@ from synth.emit.program import lower
 from synth.emit.program.lower import Node
 from synth.errors import ModelError
 from synth.plant import Plant, symbols
-from synth.report.equations import glyphs, mathml, symbolic
+from synth.report.equations import mathml, symbolic
 from synth.signals import Signal
 
 Symbols = Mapping[str, ca.SX]
@@ -82,7 +82,7 @@ class Group:
 
     def left(self, equation: Equation) -> str:
         """Return the left side of an equation as MathML."""
-        name = glyphs.markup(self.name(equation.name))
+        name = mathml.markup(self.name(equation.name))
         if equation.mark == "rate":
             return f'<mover accent="true">{name}<mo>˙</mo></mover>'
         return f"<msup><mrow>{name}</mrow><mo>+</mo></msup>" if equation.mark == "next" else name
@@ -230,7 +230,7 @@ def _with_distinct_names(group: Group) -> Group:
     local: dict[str, str] = {}
     used: set[str] = set()
     for name in sorted(names, key=lambda n: (n in group.local, n)):
-        choices = (text for text in (group.name(name), name, f"={name}") if glyphs.markup(text) not in used)
+        choices = (text for text in (group.name(name), name, f"={name}") if mathml.markup(text) not in used)
         local[name] = next(choices)
-        used.add(glyphs.markup(local[name]))
+        used.add(mathml.markup(local[name]))
     return replace(group, local={name: text for name, text in local.items() if text != name})

@@ -1,19 +1,101 @@
-"""Equations as blocks of a page: definitions and rates of a plant, and the Blocks of a controller in order."""
+"""Equations as blocks of a page: definitions and rates of a plant, and the Blocks of a controller in order.
+
+Equations of equal form: shown once, with the names that the others have instead.
+
+Two equations have equal form when renaming the symbols of one, as displayed, gives the other.
+"""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
+import sympy as sp
 from markupsafe import Markup
 from sympy.core.parameters import distribute
 
 from synth.block import Block
 from synth.plant import Plant
 from synth.report import page
-from synth.report.equations import copies, derive, glyphs, mathml, proof
-from synth.report.equations.copies import EquationWithCopies, GroupWithCopies
+from synth.report.equations import derive, mathml, proof, symbolic
 from synth.report.equations.derive import Equation, Group, NamedTerms
 from synth.report.notation import number, readable
 from synth.signals import Signal, per_second
+
+MIN_OPERATIONS = 4  # operations: shorter equations are shown in full
+
+
+@dataclass(frozen=True)
+class EquationWithCopies:
+    """A displayed equation, and the equations of equal form with their replaced names."""
+
+    equation: Equation
+    copies: tuple[tuple[Equation, Mapping[str, str]], ...] = ()
+
+
+@dataclass(frozen=True)
+class GroupWithCopies:
+    """A displayed group of equations, and the groups of equal form with their replaced names."""
+
+    group: Group
+    equations: tuple[EquationWithCopies, ...]
+    copies: tuple[tuple[Group, Mapping[str, str]], ...] = ()
+
+
+def of_groups(groups: Sequence[Group]) -> tuple[GroupWithCopies, ...]:
+    """Return the distinct groups, each with the groups of equal form."""
+    first: list[tuple[Group, list[tuple[Group, Mapping[str, str]]]]] = []
+    for group in groups:
+        for source, copies in first:
+            if (names := _group_names(source, group)) is not None:
+                copies.append((group, names))
+                break
+        else:
+            first.append((group, []))
+    return tuple(GroupWithCopies(g, of_equations(g), tuple(copies)) for g, copies in first)
+
+
+def of_equations(group: Group) -> tuple[EquationWithCopies, ...]:
+    """Return the distinct equations of a group, each with the equations of equal form."""
+    first: list[tuple[Equation, list[tuple[Equation, Mapping[str, str]]]]] = []
+    for equation in group.equations:
+        for source, copies in first:
+            if sp.count_ops(source.shown) < MIN_OPERATIONS or source.mark != equation.mark:
+                continue
+            if (names := names_in_place(source, equation)) is not None:
+                copies.append((equation, names))
+                break
+        else:
+            first.append((equation, []))
+    return tuple(EquationWithCopies(e, tuple(copies)) for e, copies in first)
+
+
+def names_in_place(source: Equation, other: Equation) -> dict[str, str] | None:
+    """Return the renaming that turns the right side of one equation into that of the other, None without one."""
+    if source.shape[0] != other.shape[0] or len(source.shape[1]) != len(other.shape[1]):
+        return None
+    names = dict(zip(source.shape[1], other.shape[1], strict=True))
+    changed = {symbolic.symbol(a): symbolic.symbol(b) for a, b in names.items()}
+    if source.shown.xreplace(changed) != other.shown:
+        return None
+    return {a: b for a, b in names.items() if a != b}
+
+
+def _group_names(source: Group, other: Group) -> dict[str, str] | None:
+    """Return the renaming of displayed names that turns one group into the other, None without one."""
+    if len(source.equations) != len(other.equations) or source.title == other.title:
+        return None
+    whole: dict[str, str] = {}
+    for a, b in zip(source.equations, other.equations, strict=True):
+        names = names_in_place(a, b)
+        if names is None or a.mark != b.mark:
+            return None
+        names = dict(zip(a.shape[1], b.shape[1], strict=True)) | {a.name: b.name}
+        if any(whole.get(k, v) != v for k, v in names.items()):
+            return None
+        whole |= names
+    parts = {e.name for e in source.equations if e.signal is None}
+    shown = {source.name(a): other.name(b) for a, b in whole.items() if a not in parts}
+    return {a: b for a, b in shown.items() if a != b} if len(set(whole.values())) == len(whole) else None
+
 
 LEGEND = (
     "The equations are derived from the expressions that the C is generated from, and compared with them at "
@@ -32,7 +114,7 @@ def plant(plant: Plant, terms: NamedTerms | None = None) -> tuple[page.Formulas,
     with distribute(False):  # no distribution of a factor over a sum
         groups = derive.plant(plant, terms)
         proof.plant(plant, groups, terms)
-        return tuple(_formulas(shown) for shown in copies.of_groups(groups))
+        return tuple(_formulas(shown) for shown in of_groups(groups))
 
 
 def block(block: Block, folded: Collection[str] = ()) -> tuple[page.Formulas | page.Folded, ...]:
@@ -43,13 +125,13 @@ def block(block: Block, folded: Collection[str] = ()) -> tuple[page.Formulas | p
     with distribute(False):
         groups = derive.block(block)
         proof.block(block, groups)
-        shown = {g.group.title: _formulas(g) for g in copies.of_groups(groups)}
+        shown = {g.group.title: _formulas(g) for g in of_groups(groups)}
     return tuple(_fold(f) if name in folded or len(f.rows) > MAX_SHOWN_EQUATIONS else f for name, f in shown.items())
 
 
 def signals(caption: str, signals: Sequence[Signal]) -> page.Table:
     """Return a table of signals: symbol, name in the code, unit, range and meaning."""
-    rows = tuple((glyphs.symbol(s.name), s.name, readable(s.unit), s.low, s.high, s.about) for s in signals)
+    rows = tuple((mathml.symbol(s.name), s.name, readable(s.unit), s.low, s.high, s.about) for s in signals)
     return page.Table(caption, ("symbol", "name", "unit", "from", "to", "is"), rows)
 
 
@@ -87,13 +169,13 @@ def _describe_copies(group: Group, shown: EquationWithCopies) -> Markup:
     changed = list(dict.fromkeys(name for _, names in shown.copies for name in names))
     parts = []
     for name in changed:
-        others = "<mo>,</mo>".join(glyphs.markup(group.name(names.get(name, name))) for _, names in shown.copies)
-        parts.append(f"{mathml.display(others)} for {mathml.display(glyphs.markup(group.name(name)))}")
+        others = "<mo>,</mo>".join(mathml.markup(group.name(names.get(name, name))) for _, names in shown.copies)
+        parts.append(f"{mathml.display(others)} for {mathml.display(mathml.markup(group.name(name)))}")
     return Markup("likewise" + (f", with {'; '.join(parts)}" if parts else ""))
 
 
 def _substitutions(names: Mapping[str, str]) -> str:
-    pairs = (f"{mathml.display(glyphs.markup(b))} for {mathml.display(glyphs.markup(a))}" for a, b in names.items())
+    pairs = (f"{mathml.display(mathml.markup(b))} for {mathml.display(mathml.markup(a))}" for a, b in names.items())
     return ", ".join(pairs)
 
 

@@ -7,27 +7,74 @@
     time to notice    detection time, from the onset to the first fault bit that the healthy run does not have
     time to latch     from the onset to the latch; a time is inf if there is no such bit or no latch
 
-Plant 0 is the nominal one, the others are those of `machines`. Positions without declared stops have stops at the
+Plant 0 is the nominal one, the others are sampled. Positions without declared stops have stops at the
 limits of the plant's domain.
+
+Sweeps of a fault campaign on the nominal plant: smallest magnitude noticed, and fault-tolerant time interval.
+
+    noticed    the smallest magnitude of 1, 1/2, 1/4, ... of the range such that it and all larger ones set a fault bit
+    harmful    the smallest one such that it and all larger ones run into a stop
+    tolerated  the longest duration of the fault that ends without harm when the controller never latches
+
+The magnitude that is harmful and not noticed is a gap of the detector. The tolerated time is the fault-tolerant time
+interval of ISO 26262-1, 3.61: time to notice plus time to react should be shorter. Durations double from one sample
+until one harms, and are then bisected to REFINEMENT; harm is assumed to grow with the duration in between.
+
+Each value is the worst over the onsets of a condition.
+
+Machines of a fault campaign: the nominal one, and perturbed ones that are the same in every campaign.
+
+    parameter   p (1 + tolerance s)
+    sensor      offset s, gain error s, of the largest ones that are declared
+
+Each s is -1 or 1 at random for the first CORNERS perturbed machines, and uniform in -1 .. 1 for the others.
 """
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.base.progress import Counted, Progress
+from synth.base.progress import Counted, Progress, each
 from synth.declare.stage import Stage
 from synth.errors import SignalError
 from synth.fault import LATCH_BIT
-from synth.plant import velocities
-from synth.simulate import conditions
-from synth.simulate.faults import fault_effects, injections, machines
+from synth.plant import Plant, velocities
+from synth.simulate import conditions, sampling
+from synth.simulate.faults import fault_effects, injections
 from synth.simulate.faults.injections import Injection
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
+
+CORNERS, SEED = 8, 18  # number of perturbed machines at corners of the tolerances, and the seed of all
+
+
+def plant_number(plant: Plant, i: int) -> Plant:
+    """Return the nominal plant for i = 0, otherwise perturbed plant i."""
+    tolerances = {p.name: p.value * p.tolerance for p in plant.parameters if p.tolerance > 0}
+    if i == 0 or not tolerances:
+        return plant
+    changes = dict(zip(tolerances, _s(i, len(tolerances)) * np.array(list(tolerances.values())), strict=True))
+    return plant.with_parameters(**{n: plant.parameter(n).value + float(d) for n, d in changes.items()})
+
+
+def machine_number(rig: Rig, i: int) -> Rig:
+    """Return the rig with plant number i, and with that plant's errors of the sensors."""
+    if i == 0:
+        return rig
+    quantities = sampling.quantities(rig)
+    s = dict(zip(quantities, _s(i, len(quantities)).tolist(), strict=True))
+    return sampling.with_sensor_errors(replace(rig, plant=plant_number(rig.plant, i)), s)
+
+
+def _s(i: int, n: int) -> Array:
+    """Return the first n numbers s of plant i, which do not depend on n."""
+    rng = np.random.default_rng([SEED, i])
+    return rng.choice((-1.0, 1.0), n) if i <= CORNERS else rng.uniform(-1, 1, n)
+
 
 FAR = 0.2  # of the range of a set-point: largest distance from it, on average, at rest without a fault
 SWING = 0.2  # amplitude of the default motion, over the distance from rest to the nearer end of the range
@@ -177,7 +224,7 @@ def run(
     Raises SignalError for an operating point at which the nominal machine does not rest, and as `Rig.run`, like
     WiringError.
     """
-    perturbed = machines.machine_number(rig, plant)
+    perturbed = machine_number(rig, plant)
     healthy, begun = run_healthy(perturbed, condition)
     if plant == 0 and condition.name not in (AT_REST, IN_MOTION):
         _require_rest(rig, condition, healthy)
@@ -285,3 +332,119 @@ def _largest(difference: Array) -> float:
     """Return the largest magnitude, inf if a value is not finite."""
     largest = float(np.max(np.abs(difference)))
     return largest if np.isfinite(largest) else np.inf
+
+
+MAGNITUDES = tuple(0.5**k for k in range(13))  # of the range, largest first
+SWEPT = {
+    injections.SENSOR: ("offset", "drift", "noise", "bit flipped", "bit stuck"),
+    injections.SET_POINT: ("jump",),
+    injections.ACTUATOR: ("weak",),
+}
+REFINEMENT = 1.1  # ratio of the shortest harmful duration to the longest harmless one
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The sweep of one fault in one condition: magnitudes as fractions of the range, inf for none, and a time.
+
+    `noticed` and `harmful` are None for a fault without a magnitude. `tolerated_s`, inf without a limit, is None for a
+    fault that is not permanent.
+    """
+
+    group: str
+    target: str
+    kind: str
+    duration: str
+    condition: str
+    noticed: float | None
+    harmful: float | None
+    tolerated_s: float | None
+
+
+def run_sweeps(
+    rig: Rig, without_latch: Rig, condition: Condition, progress: Progress, faults: Sequence[Injection]
+) -> list[Sweep]:
+    """Return the sweeps of faults in a condition; both rigs are from `with_stops`.
+
+    Raises SignalError and WiringError as `Rig.run`.
+    """
+    chosen = [f for f in faults if is_swept(f)]
+    latching, unlatched = (_Bench(condition, *run_healthy(r, condition)) for r in (rig, without_latch))
+    line: Callable[[Injection], str] = lambda f: f"sweep of {f.target} {f.kind}, {f.duration}"  # noqa: E731
+    return [_sweep(latching, unlatched, injection) for injection in each(chosen, progress, line)]
+
+
+def is_swept(injection: Injection) -> bool:
+    """Return whether a fault has a magnitude, or is permanent and so has a tolerated time."""
+    return _has_magnitude(injection) or injection.duration == injections.PERMANENT
+
+
+def _has_magnitude(injection: Injection) -> bool:
+    return injection.kind in SWEPT.get(injection.group, ())
+
+
+@dataclass(frozen=True, eq=False)
+class _Bench:
+    """A condition with the healthy run of a rig, and for each onset the rig that has run the samples before it."""
+
+    condition: Condition
+    healthy: Trajectory
+    begun: Mapping[int, Rig]
+
+    def inject(self, injection: Injection, onset: int) -> FaultRun:
+        """Run a fault on the nominal plant."""
+        return inject(self.begun[onset], 0, self.condition, injection, onset, self.healthy)
+
+
+def _sweep(bench: _Bench, without_latch: _Bench, injection: Injection) -> Sweep:
+    onsets, noticed, harmful, tolerated = bench.condition.onsets, None, None, None
+    if _has_magnitude(injection):
+        least = [_least_magnitudes(bench, injection, onset) for onset in onsets]
+        noticed, harmful = max(n for n, _ in least), min(h for _, h in least)
+    if injection.duration == injections.PERMANENT:
+        tolerated = min(_tolerated_samples(without_latch, injection, onset) for onset in onsets)
+        tolerated *= bench.begun[onsets[0]].period_s
+    return Sweep(
+        injection.group, injection.target, injection.kind, injection.duration, bench.condition.name,
+        noticed, harmful, tolerated,
+    )  # fmt: skip
+
+
+def _least_magnitudes(bench: _Bench, injection: Injection, onset: int) -> tuple[float, float]:
+    """Return the smallest magnitude noticed and the smallest that harms, each with all larger ones."""
+    least = [math.inf, math.inf]
+    open_ends = {0, 1}
+    for magnitude in MAGNITUDES:
+        fault = bench.inject(replace(injection, magnitude=magnitude), onset)
+        flags = (math.isfinite(fault.notice_s), fault.harms)
+        open_ends = {i for i in open_ends if flags[i]}
+        for i in open_ends:
+            least[i] = magnitude
+        if not open_ends:
+            break
+    return least[0], least[1]
+
+
+def _tolerated_samples(bench: _Bench, injection: Injection, onset: int) -> float:
+    """Return the longest harmless duration in samples, inf for a fault that never does harm."""
+    longest = len(bench.healthy.time) - onset
+
+    def harms(samples: int) -> bool:
+        return bench.inject(replace(injection, samples=samples), onset).harms
+
+    if not harms(longest):
+        return math.inf
+    harmful = next((n for n in _doubling(longest) if harms(n)), longest)
+    harmless = harmful // 2
+    while harmful - harmless > 1 and harmful > REFINEMENT * harmless:
+        middle = (harmless + harmful) // 2
+        harmless, harmful = (harmless, middle) if harms(middle) else (middle, harmful)
+    return harmless
+
+
+def _doubling(limit: int) -> Iterable[int]:
+    """Yield 1, 2, 4, ... below a limit."""
+    n = 1
+    while n < limit:
+        yield n
+        n *= 2

@@ -27,8 +27,7 @@ from synth.signals import Signal
 from synth.simulate.faults import injections
 from synth.simulate.faults.injections import Injection
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import InputFault, Trajectory
-from synth.simulate.sensors import Override, Word
+from synth.simulate.scenario import InputFault, Override, Trajectory, Word
 
 BEYOND = 0.1  # of a sensor's range: distance of a reading out of range from its end
 WORD = 16  # bits of the word of a sensor without a resolution

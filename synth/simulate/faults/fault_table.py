@@ -1,13 +1,287 @@
-"""Table of a fault campaign as text: rows, magnitudes, and notes on false alarms and the negative control."""
+"""Table of a fault campaign as text: rows, magnitudes, and notes on false alarms and the negative control.
+
+Rows, limits and negative control of a fault campaign, from its runs.
+
+A row has the worst values of one fault in one condition over all plants and onsets. Times to notice and to latch are
+the longest of the runs in which the fault has an effect. A run harms the machine where a position runs into a stop that
+it does not reach without the fault. The negative control repeats the runs of the nominal plant that latch, with a
+controller that never latches: where none of them harms the machine, or they keep every limit that applies to them, the
+campaign cannot tell a good detector from a missing one.
+"""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from fnmatch import fnmatchcase
 from functools import partial
+from typing import Any
 
+from synth.check import Check
+from synth.declare.fault_campaign import FaultLimit
+from synth.errors import SignalError
 from synth.signals import per_second
-from synth.simulate.faults.campaign import Values
-from synth.simulate.faults.fault_rows import Campaign, Row
-from synth.simulate.faults.fault_sweeps import Sweep
+from synth.simulate.faults import injections
+from synth.simulate.faults.campaign import FaultRun, HealthyRun, Sweep, Values, condition_names
+from synth.simulate.rig import Rig
+
+UNLIMITED = tuple(FaultLimit(name, math.inf) for name in ("false_alarms", "healthy_impact", "impact"))
+CONTROL = "runs that latch and do no harm without the latch"
+CONTROL_LIMITS = "limits that hold without the latch, too"
+Healthy = Sequence[HealthyRun]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One fault in one condition: numbers of runs, and the worst values over plants and onsets."""
+
+    group: str
+    target: str
+    kind: str
+    duration: str
+    condition: str
+    runs: int
+    without_effect: int
+    noticed: int
+    latched: int
+    named: int
+    wrong_names: int
+    harmed: int
+    harmed_unnoticed: int
+    notice_s: float
+    latch_s: float
+    excursion: Values
+    impacts: Values
+    energies: Values
+    speeds: Values
+    final_speeds: Values
+
+    @property
+    def impact(self) -> float:
+        """The largest speed of an impact on a stop."""
+        return max(self.impacts.values(), default=0.0)
+
+    @property
+    def energy(self) -> float:
+        """The largest energy of an impact in J, of the positions with a declared inertia."""
+        return max(self.energies.values(), default=0.0)
+
+    @property
+    def fault(self) -> tuple[str, ...]:
+        """Class, target, kind, duration and condition."""
+        return self.group, self.target, self.kind, self.duration, self.condition
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """The result: rows, healthy runs, numbers of runs of the negative control, checks, and units of positions.
+
+    The stage has `derived` faults, of which a build runs the basic ones: no check has the limits of the others. Of
+    `control_runs`, `control_harmed` harm the machine when the controller never latches, `control_latched` when it
+    does. `sweeps` are empty where none was run. `spans` and `rate_spans` are the widths of the ranges of positions and
+    velocities, by position; excursions and impacts of different units are compared as fractions of them. `regulated`
+    are the positions with a set-point, or all where none has one.
+    """
+
+    design: str
+    plants: int
+    derived: int
+    rows: tuple[Row, ...]
+    healthy: tuple[HealthyRun, ...]
+    sweeps: tuple[Sweep, ...]
+    control_runs: int
+    control_harmed: int
+    control_latched: int
+    checks: tuple[Check, ...]
+    units: Mapping[str, str]
+    spans: Values
+    rate_spans: Values
+    regulated: tuple[str, ...]
+
+    @property
+    def can_tell(self) -> bool:
+        """Whether a fault harms the machine when its controller never latches."""
+        return self.control_harmed > 0
+
+    @property
+    def alarms(self) -> int:
+        """The samples with a fault bit in healthy runs."""
+        return sum(h.alarms for h in self.healthy)
+
+    def document(self) -> dict[str, Any]:
+        """Return the result as data; a time that is not finite means never."""
+        checks = [c.document() for c in self.checks]
+        return asdict(self) | {"can_tell": self.can_tell, "checks": checks}
+
+
+def rows(runs: Iterable[FaultRun]) -> tuple[Row, ...]:
+    """Return the rows in the order of the first run of each."""
+    groups: dict[tuple[Any, str], list[FaultRun]] = {}
+    for run in runs:
+        groups.setdefault((run.injection, run.condition), []).append(run)
+    return tuple(_row(each) for each in groups.values())
+
+
+def _row(runs: Sequence[FaultRun]) -> Row:
+    effective = [r for r in runs if r.effect]
+    fault = runs[0].injection
+    return Row(
+        *(fault.group, fault.target, fault.kind, fault.duration),
+        condition=runs[0].condition,
+        runs=len(runs),
+        without_effect=len(runs) - len(effective),
+        noticed=sum(math.isfinite(r.notice_s) for r in runs),
+        latched=sum(math.isfinite(r.latch_s) for r in runs),
+        named=sum(r.named for r in runs),
+        wrong_names=len({name for r in runs for name in r.wrong_names}),
+        harmed=sum(r.harms for r in runs),
+        harmed_unnoticed=sum(r.harms and math.isinf(r.notice_s) for r in runs),
+        notice_s=max((r.notice_s for r in effective), default=0.0),
+        latch_s=max((r.latch_s for r in effective), default=0.0),
+        excursion=_worst([r.excursion for r in runs]),
+        impacts=_worst([r.impacts for r in runs]),
+        energies=_worst([r.energies for r in runs]),
+        speeds=_worst([r.speeds for r in runs]),
+        final_speeds=_worst([r.final_speeds for r in runs]),
+    )
+
+
+def _worst(values: Sequence[Values]) -> dict[str, float]:
+    return {q: max(v[q] for v in values) for q in values[0]}
+
+
+def campaign(
+    rig: Rig,
+    plants: int,
+    healthy: Healthy,
+    runs: Sequence[FaultRun],
+    control: Sequence[FaultRun],
+    sweeps: Sequence[Sweep] = (),
+) -> Campaign:
+    """Return the result of all runs, and of the `control` runs of faults that latch on the nominal plant.
+
+    A limit that matches none of the runs, but another fault of the stage, makes no check.
+
+    `rig` is from `campaign.with_stops`. Raises SignalError for a limit without a fault, or with an unknown measure.
+    """
+    states, rates = {s.name: s for s in rig.plant.states}, rig.stage.velocities
+    pairs = control_pairs(runs, control)
+    harmed = [(without.harms, latched.harms) for without, latched in pairs]
+    units, table = {q: states[q].unit for q in rates}, rows(runs)
+    derived = injections.derive(rig.stage)
+    others = [(i.target, i.kind, on, i.duration) for i in derived for on in condition_names(rig.stage)]
+    limits = [l for l in rig.stage.faults.limits if matching(l, table) or not any(_matches(l, o) for o in others)]
+    return Campaign(
+        rig.stage.name, plants, len(derived), table, tuple(healthy), tuple(sweeps),
+        len(pairs), sum(w for w, _ in harmed), sum(h for _, h in harmed),
+        tuple(_checks(limits, table, healthy, pairs, units)), units,
+        {q: states[q].high - states[q].low for q in rates},
+        {q: states[v].high - states[v].low for q, v in rates.items()},
+        tuple(q for q in rates if q in rig.positions.values()) or tuple(rates),
+    )  # fmt: skip
+
+
+def control_pairs(runs: Sequence[FaultRun], control: Sequence[FaultRun]) -> list[tuple[FaultRun, FaultRun]]:
+    """Return each control run with the run of the nominal plant that latches under the same fault."""
+    latched = {_case(run): run for run in runs if run.plant == 0 and math.isfinite(run.latch_s)}
+    return [(run, latched[_case(run)]) for run in control if _case(run) in latched]
+
+
+def _case(run: FaultRun) -> tuple[Any, ...]:
+    return run.injection, run.condition, run.onset_s
+
+
+def _checks(
+    limits: Sequence[FaultLimit], table: Sequence[Row], healthy: Healthy,
+    pairs: Sequence[tuple[FaultRun, FaultRun]], units: Mapping[str, str],
+) -> list[Check]:  # fmt: skip
+    """Return the checks of the limits, and those of the negative control: without the latch one must fail.
+
+    A stage without limits has the worst values, without a limit.
+    """
+    if not limits:
+        return [_check(limit, table, healthy, units) for limit in UNLIMITED[: 3 if table else 2]]
+    checks = [_check(limit, table, healthy, units) for limit in limits]
+    harmless = sum(not without.harms for without, _ in pairs)
+    checks.append(Check(CONTROL, float(harmless), len(pairs) - 1.0, "1", "the negative control"))
+    without_latch = rows([without for without, _ in pairs])
+    controlled = [l for l in limits if l.measure != FALSE_ALARMS and matching(l, without_latch)]
+    if controlled:
+        passed = sum(_check(limit, without_latch, (), units).passed for limit in controlled)
+        checks.append(Check(CONTROL_LIMITS, float(passed), len(controlled) - 1.0, "1", "the negative control"))
+    return checks
+
+
+_MEASURES: Mapping[str, tuple[Callable[[Row], float], str]] = {
+    "notice_s": (lambda row: row.notice_s, "s"),
+    "latch_s": (lambda row: row.latch_s, "s"),
+    "wrong_names": (lambda row: float(row.wrong_names), "1"),
+    "impact": (lambda row: row.impact, ""),
+    "energy": (lambda row: row.energy, "J"),
+}
+FALSE_ALARMS, HEALTHY_IMPACT = "false_alarms", "healthy_impact"
+
+
+def _check(limit: FaultLimit, table: Sequence[Row], healthy: Healthy, units: Mapping[str, str]) -> Check:
+    patterns = _patterns(limit)
+    name = f"{limit.measure}: {', '.join(p for p in patterns if p != '*') or 'every fault'}"
+    if limit.measure == FALSE_ALARMS:
+        alarms = sum(h.alarms for h in healthy if fnmatchcase(h.condition, limit.condition))
+        return Check(name, float(alarms), limit.most, "1", "samples with a fault bit in healthy runs")
+    if limit.measure == HEALTHY_IMPACT:
+        impacts = [v for h in healthy if fnmatchcase(h.condition, limit.condition) for v in h.impacts.values()]
+        return Check(name, max(impacts, default=0.0), limit.most, _speed_units(units), "impacts in healthy runs")
+    measure, unit = _measure(limit.measure, units)
+    affected = matching(limit, table)
+    if not affected:
+        raise SignalError(f"limit '{name}' matches no fault of the campaign: correct its patterns, or leave it out")
+    if all(row.runs == row.without_effect for row in affected):
+        return Check(name, math.nan, limit.most, unit, "no matching fault has an effect: nothing was tested")
+    worst = max(affected, key=measure)
+    return Check(name, measure(worst), limit.most, unit, ", ".join(_columns(worst)))
+
+
+def _patterns(limit: FaultLimit) -> tuple[str, str, str, str]:
+    return limit.target, limit.kind, limit.condition, limit.duration
+
+
+def matching(limit: FaultLimit, table: Sequence[Row]) -> list[Row]:
+    """Return the rows whose target, kind, condition and duration have the patterns of a limit."""
+    return [row for row in table if _matches(limit, _columns(row))]
+
+
+def _matches(limit: FaultLimit, columns: tuple[str, str, str, str]) -> bool:
+    """Return whether target, kind, condition and duration have the patterns of a limit."""
+    return all(map(fnmatchcase, columns, _patterns(limit)))
+
+
+def _columns(row: Row) -> tuple[str, str, str, str]:
+    return row.target, row.kind, row.condition, row.duration
+
+
+def _measure(name: str, units: Mapping[str, str]) -> tuple[Callable[[Row], float], str]:
+    """Return a measure of a row and its unit."""
+    if name in _MEASURES:
+        measure, unit = _MEASURES[name]
+        return measure, unit or _speed_units(units)
+    per_position = {
+        **{f"excursion_{q}": (partial(_of, "excursion", q), unit) for q, unit in units.items()},
+        **{f"impact_{q}": (partial(_of, "impacts", q), per_second(unit)) for q, unit in units.items()},
+        **{f"speed_{q}": (partial(_of, "speeds", q), per_second(unit)) for q, unit in units.items()},
+        **{f"final_speed_{q}": (partial(_of, "final_speeds", q), per_second(unit)) for q, unit in units.items()},
+    }
+    if name in per_position:
+        return per_position[name]
+    known = [*_MEASURES, FALSE_ALARMS, HEALTHY_IMPACT, *per_position]
+    raise SignalError(f"a fault limit has the measure '{name}': use one of {', '.join(known)}")
+
+
+def _speed_units(units: Mapping[str, str]) -> str:
+    return "/".join(sorted({per_second(u) for u in units.values()}))
+
+
+def _of(field: str, position: str, row: Row) -> float:
+    return float(getattr(row, field)[position])
+
 
 COLUMNS = (
     *("fault", "duration", "condition", "excursion", "impact", "noticed", "latched", "tolerated", "named"),

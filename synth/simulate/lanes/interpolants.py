@@ -1,30 +1,212 @@
 """A plant for fast simulation: polynomials, fitted to each set of parameters, for its functions of one variable.
 
-`univariate_fits` states the polynomials. Their variable is an expression that every path from the states to the
+The fits of one variable state the polynomials. Their variable is an expression that every path from the states to the
 function passes through, such as the gap of a motor; their degree is chosen on plants at the corners of their
 tolerances. Functions that are the same but for their variable share coefficients. A sine stays one of any argument,
-see `sines`, where that costs less. Expressions of the parameters alone are evaluated once for each plant. The rest of
+where that costs less. Expressions of the parameters alone are evaluated once for each plant. The rest of
 the plant is left as it is.
+
+Sine and cosine of any argument without a branch, for plants in lanes.
+
+    k = nearest whole number to a/(2 pi),   r = a - 2 pi k in -pi .. pi
+    sin a -> r S(r^2),   cos a -> C(r^2)        S, C of the least degree with at most a given error
+
+2 pi is subtracted in two parts by products and sums that are rounded once in C, so the reduction costs no digit while k
+is below 2^20 or so. Cody and Waite, Software Manual for the Elementary Functions, 1980, chapter 8.
+
+Polynomials for functions of one variable of a lowered program, one for each set of parameters.
+
+    f(v; p) -> sum_j c_j(p) t^j,   t = (2 v - low - high)/(high - low),   v in low .. high
+
+Chebyshev interpolation gives the coefficients; the least degree is taken whose error, measured between the nodes on
+some sets of parameters, is below a bound relative to the largest |f|.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cache
+from typing import NamedTuple, Protocol
 
 import casadi as ca
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from synth.emit.program import lower, numeric
+from synth.emit.passes import univariate
+from synth.emit.passes.univariate import Univariate
+from synth.emit.program import lower
 from synth.emit.program.lower import Node, Program
 from synth.emit.proof import ranges
 from synth.emit.proof.ranges import Range
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
-from synth.simulate.lanes import sines, univariate_fits
-from synth.simulate.lanes.univariate_fits import Fit
 
 Array = NDArray[np.float64]
+
+SINE_DEGREES = range(3, 14)
+TURN = 2 * np.pi
+TURN_LOW = 2.4492935982947064e-16  # 2 pi less its double
+MAGIC = 1.5 * 2.0**52  # a + MAGIC - MAGIC is the whole number nearest to a
+_SQUARE = np.pi**2
+
+
+class Place(Protocol):
+    """Append a node to a program, and return its number."""
+
+    def __call__(self, op: str, *args: int, value: float = 0.0, name: str = "") -> int:
+        """Return the number of the node."""
+        ...
+
+
+def place_sine(place: Place, op: str, argument: int, error: float) -> int:
+    """Append the nodes of the "sin" or "cos" of a node, and return the last; both of one node share their reduction."""
+    turns = place("mul", argument, place("literal", value=1 / TURN))
+    magic = place("literal", value=MAGIC)
+    k = place("sub", place("add", turns, magic), magic)
+    r = place("fma", k, place("literal", value=-TURN), argument)
+    r = place("fma", k, place("literal", value=-TURN_LOW), r)
+    square = place("sq", r)
+    *lower, last = coefficients(op, error)
+    value = place("literal", value=last)
+    for c in reversed(lower):
+        value = place("fma", square, value, place("literal", value=c))
+    return place("mul", r, value) if op == "sin" else value
+
+
+@cache
+def coefficients(op: str, error: float) -> tuple[float, ...]:
+    """Return S or C, lowest power first, by Chebyshev interpolation in r^2."""
+    function = _sine_over_angle if op == "sin" else _cosine
+    square = np.linspace(0.0, _SQUARE, 1001)
+    scale = np.sqrt(square) if op == "sin" else 1.0
+    for degree in SINE_DEGREES:
+        c = _interpolate(function, degree)
+        if np.abs(scale * (np.polynomial.polynomial.polyval(square, c) - function(square))).max() <= error:
+            break
+    return tuple(c.tolist())
+
+
+def _interpolate(function: Callable[[Array], Array], degree: int) -> Array:
+    series = chebyshev.Chebyshev.interpolate(function, degree, domain=(0.0, _SQUARE))
+    return np.asarray(series.convert(kind=np.polynomial.Polynomial).coef)
+
+
+def _sine_over_angle(square: Array) -> Array:
+    return np.asarray(np.sinc(np.sqrt(square) / np.pi))
+
+
+def _cosine(square: Array) -> Array:
+    return np.asarray(np.cos(np.sqrt(square)))
+
+
+DEGREES = range(4, 31)
+SINES = frozenset({"sin", "cos"})
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A polynomial of `degree` in t for a function of the lowered program, on low .. high of its variable."""
+
+    function: Univariate
+    low: float
+    high: float
+    degree: int
+
+    def variable(self, t: Array) -> Array:
+        """Return the variable at t in -1 .. 1."""
+        return 0.5 * ((self.high - self.low) * t + (self.high + self.low))
+
+
+def equal_functions(program: Program, R: Sequence[Range]) -> list[list[Univariate]]:
+    """Return the functions of one variable in groups that are the same but for their variable; R are the ranges."""
+    groups: dict[str, list[Univariate]] = {}
+    for f in univariate.find(program, R):
+        groups.setdefault(_key(program, f), []).append(f)
+    return list(groups.values())
+
+
+def _key(program: Program, f: Univariate) -> str:
+    """Return the expression of a function in its variable; equal functions of different variables have equal keys.
+
+    The rows follow the expression, not the order of the program's nodes.
+    """
+    place, rows, waiting = {f.variable: 0}, list[tuple[object, ...]](), [f.root]
+    while waiting:
+        k = waiting[-1]
+        node = program.nodes[k]
+        missing = [] if k in place else [a for a in node.args if a not in place]
+        waiting += missing[::-1]
+        if not missing:
+            waiting.pop()
+        if not missing and k not in place:
+            place[k] = len(place)
+            rows.append((node.op, *(place[a] for a in node.args), node.name, node.value))
+    return repr(rows)
+
+
+def number_of_sines(program: Program, f: Univariate) -> float:
+    """Return how many sines and cosines make up a function, infinity if it has another function of libm."""
+    inner, waiting = set[int](), [f.root]
+    while waiting:
+        k = waiting.pop()
+        if k != f.variable and k not in inner:
+            inner.add(k)
+            waiting += program.nodes[k].args
+    ops = [program.nodes[k].op for k in inner]
+    others = univariate.TRANSCENDENTAL - SINES
+    return np.inf if any(op in others for op in ops) else sum(op in SINES for op in ops)
+
+
+def least_degree(
+    program: Program, f: Univariate, known: Mapping[int, Array], low: float, high: float, error: float
+) -> Fit | None:
+    """Return the fit of the least degree with at most this error, or None; `known` has the parameters\' values."""
+    for degree in DEGREES:
+        fit = Fit(f, low, high, degree)
+        if largest_error(program, fit, interpolate(program, fit, known), known).max() <= error:
+            return fit
+    return None
+
+
+def _values(program: Program, fit: Fit, t: Array, known: Mapping[int, Array]) -> Array:
+    """Return the function (points, plants) at t."""
+    variable = {fit.function.variable: fit.variable(t)[:, np.newaxis]}
+    return np.asarray(lower.evaluate(program, [fit.function.root], {**known, **variable})[fit.function.root])
+
+
+def interpolate(program: Program, fit: Fit, known: Mapping[int, Array]) -> Array:
+    """Return the coefficients (degree + 1, plants), lowest power first."""
+    n = fit.degree + 1
+    angle = np.pi * (np.arange(n) + 0.5) / n
+    values = _values(program, fit, np.cos(angle), known)
+    series = _weighted_sums(np.array([np.cos(j * angle) for j in range(n)]), values)
+    series = series * np.where(np.arange(n), 2.0, 1.0)[:, np.newaxis] / n
+    return _weighted_sums(_powers(n).T, series)
+
+
+@cache
+def _powers(n: int) -> Array:
+    """Return the coefficients of the first n Chebyshev polynomials in their rows, lowest power first."""
+    return np.array([np.pad(chebyshev.cheb2poly(row), (0, n - 1 - j)) for j, row in enumerate(np.eye(n))])
+
+
+def _weighted_sums(weights: Array, rows: Array) -> Array:
+    """Return weights (m, n) times rows (n, plants) in a fixed order: a matrix product rounds as its library decides."""
+    total = np.zeros((len(weights), *rows.shape[1:]))
+    for weight, row in zip(weights.T, rows, strict=True):
+        total = total + weight[:, np.newaxis] * row
+    return total
+
+
+def largest_error(program: Program, fit: Fit, coefficients: Array, known: Mapping[int, Array]) -> Array:
+    """Return the largest error (plants,) between the nodes, relative to the largest value."""
+    t = np.linspace(-1.0, 1.0, 4 * fit.degree + 1)
+    value = np.zeros((len(t), 1)) + coefficients[-1]
+    for c in coefficients[-2::-1]:
+        value = c + t[:, np.newaxis] * value
+    truth = _values(program, fit, t, known)
+    return np.asarray(np.abs(value - truth).max(axis=0) / np.abs(truth).max(axis=0))
+
 
 ERROR = 1e-10  # of a polynomial, relative to the largest value of its function
 MARGIN = 0.05  # of a signal's range, added at both ends: the stages of an integration step leave the range
@@ -101,11 +283,11 @@ class FastPlant:
         known = _by_node(self.lowered, self.plant, p)
         rows, error = [np.zeros((0, len(plants)))], np.zeros(len(plants))
         for fit in self.fits:  # one column serves every plant where the function depends on no parameter
-            c = univariate_fits.interpolate(self.lowered, fit, known)
+            c = interpolate(self.lowered, fit, known)
             rows.append(np.broadcast_to(c, (len(c), len(plants))))
-            error = np.maximum(error, univariate_fits.largest_error(self.lowered, fit, c, known))
+            error = np.maximum(error, largest_error(self.lowered, fit, c, known))
         for each in self.expressions:
-            values = numeric.evaluate(each.source, each.nodes.values(), _by_node(each.source, self.plant, p))
+            values = lower.evaluate(each.source, each.nodes.values(), _by_node(each.source, self.plant, p))
             rows += [np.broadcast_to(values[k], (1, len(plants))) for k in each.nodes.values()]
         return Coefficients(np.vstack(rows), error)
 
@@ -123,10 +305,10 @@ def fast_plant(plant: Plant, error: float = ERROR) -> FastPlant:
     known = _by_node(f, plant, corners)
     fits: list[Fit] = []
     replaced: dict[int, tuple[int, int]] = {}
-    for group in univariate_fits.equal_functions(f, R):
+    for group in equal_functions(f, R):
         low, high = min(R[each.variable].low for each in group), max(R[each.variable].high for each in group)
-        fit = univariate_fits.least_degree(f, group[0], known, low, high, error)
-        if fit and fit.degree <= SINE * univariate_fits.number_of_sines(f, group[0]):
+        fit = least_degree(f, group[0], known, low, high, error)
+        if fit and fit.degree <= SINE * number_of_sines(f, group[0]):
             replaced |= {each.root: (each.variable, len(fits)) for each in group}
             fits.append(fit)
     f_fast, h_fast = _rewritten(f, replaced, fits, error), _rewritten(h, {}, (), error)
@@ -209,8 +391,8 @@ def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: 
             n = program.nodes[k]
             if k in replaced:
                 index[k] = place_polynomial(*replaced[k])
-            elif n.op in univariate_fits.SINES and varies[k]:
-                index[k] = sines.place_sine(place, n.op, index[n.args[0]], error)
+            elif n.op in SINES and varies[k]:
+                index[k] = place_sine(place, n.op, index[n.args[0]], error)
             elif n.op == "div" and varies[n.args[0]] and not varies[n.args[1]]:
                 index[k] = place("mul", index[n.args[0]], place("inv", index[n.args[1]]))
             else:

@@ -19,12 +19,10 @@ from synth.errors import WiringError
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate import closed_loop, loop_arrays
-from synth.simulate.lanes import interpolants, lane_blocks, lane_inputs, lane_library, lane_memory
+from synth.simulate.lanes import interpolants, lane_blocks
 from synth.simulate.lanes.interpolants import Coefficients, FastPlant
-from synth.simulate.lanes.lane_blocks import LaneBlock, output_row
-from synth.simulate.lanes.lane_memory import Name, Record, Recording
-from synth.simulate.scenario import Scenario, Trajectory, sample_times
-from synth.simulate.sensors import Encoder
+from synth.simulate.lanes.lane_blocks import LaneBlock, Name, Record, Recording, output_row
+from synth.simulate.scenario import Encoder, Scenario, Trajectory, sample_times
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -105,16 +103,16 @@ class LaneLoop:
     ) -> tuple[Arrays, Record]:
         """Return the arrays of a run, and its record."""
         time = sample_times(scenarios[0].duration_s, self.controller.period_s)
-        arrays = self._arrays(plants, scenarios, time) | {"p": lane_memory.align(p)}
+        arrays = self._arrays(plants, scenarios, time) | {"p": lane_blocks.align(p)}
         wide, narrow = (recording.choose(names) for names in self._signals)
         frames, scalar = len(time[:: recording.every]), self.controller.scalar
         width = np.uint32 if scalar is np.float32 else np.uint64
         arrays |= {
             "wide_row": np.array(wide, dtype=np.int64),
             "narrow_row": np.array(narrow, dtype=np.int64),
-            "wide": lane_memory.empty((len(wide), self.lanes, frames), np.float64),
-            "narrow": lane_memory.empty((len(narrow), self.lanes, frames), scalar),
-            "faults": lane_memory.empty((len(self.blocks), self.lanes, frames), width),
+            "wide": lane_blocks.empty((len(wide), self.lanes, frames), np.float64),
+            "narrow": lane_blocks.empty((len(narrow), self.lanes, frames), scalar),
+            "faults": lane_blocks.empty((len(self.blocks), self.lanes, frames), width),
         }
         self._call(arrays, scenarios[0], len(time), order, recording.every)
         columns = {self._signals[0][k]: arrays["wide"][i] for i, k in enumerate(wide)}
@@ -140,13 +138,13 @@ class LaneLoop:
                 by_scenario[id(scenario)] = self._lane(plants[0], scenario, time, like)
         lanes = [ChainMap(*by_scenario[id(s)]) for s in scenarios]
         _require_alike(scenarios, lanes)
-        arrays = {name: lane_memory.align(lanes[0][name]) for name in _SHARED if name in lanes[0]}
-        arrays |= {name: lane_memory.align(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
-        arrays |= {"locked": arrays["locked"].astype(np.int64), "left": lane_memory.zeros((1, self.lanes), np.int64)}
+        arrays = {name: lane_blocks.align(lanes[0][name]) for name in _SHARED if name in lanes[0]}
+        arrays |= {name: lane_blocks.align(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
+        arrays |= {"locked": arrays["locked"].astype(np.int64), "left": lane_blocks.zeros((1, self.lanes), np.int64)}
         if any("noise" in lane for lane in lanes):
             silent = np.zeros((len(time), len(scenarios[0].sensors)))
-            arrays["noise"] = lane_memory.align(np.stack([lane.get("noise", silent) for lane in lanes], axis=-1))
-        inputs = lane_inputs.arrays(self.controller, scenarios, len(time))
+            arrays["noise"] = lane_blocks.align(np.stack([lane.get("noise", silent) for lane in lanes], axis=-1))
+        inputs = lane_blocks.arrays(self.controller, scenarios, len(time))
         return arrays | inputs | self._controller_arrays(scenarios[0], lanes[0]["mixing"])
 
     def _lane(
@@ -185,9 +183,9 @@ class LaneLoop:
             "weight_command": sources.astype(np.int64),
             "weight": mixing[inputs, sources],
             "constants": np.array([c for b in self.blocks for c in b.numbers.values()] or [0.0], scalar),
-            "reals": lane_memory.repeat(reals, self.lanes, scalar),
-            "counters": lane_memory.repeat(counters, self.lanes, width),
-            "out": lane_memory.zeros((outputs, self.lanes), scalar),
+            "reals": lane_blocks.repeat(reals, self.lanes, scalar),
+            "counters": lane_blocks.repeat(counters, self.lanes, width),
+            "out": lane_blocks.zeros((outputs, self.lanes), scalar),
         }
 
     def _call(self, arrays: Arrays, scenario: Scenario, n: int, order: int, every: int) -> None:
@@ -208,7 +206,7 @@ class LaneLoop:
             "wides": len(arrays["wide_row"]),
             "narrows": len(arrays["narrow_row"]),
         }
-        lane_library.call(self.library, counts, arrays, self.controller.period_s)
+        lane_blocks.call(self.library, counts, arrays, self.controller.period_s)
 
     def _trajectory(
         self,
@@ -260,7 +258,7 @@ def compile_loop(
     CompileError as `host.load`.
     """
     parts, fast = lane_blocks.blocks(controller, drive), interpolants.fast_plant(plant, error)
-    return LaneLoop(fast, parts, lanes, lane_library.compile_loop(fast, parts, lanes))
+    return LaneLoop(fast, parts, lanes, lane_blocks.compile_loop(fast, parts, lanes))
 
 
 def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Mapping[str, NDArray[Any]]]) -> None:

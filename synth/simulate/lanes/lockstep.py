@@ -18,7 +18,7 @@ from synth.plant import Plant
 from synth.simulate import closed_loop
 from synth.simulate.integration import Integration
 from synth.simulate.lanes import lanes
-from synth.simulate.lanes.lane_memory import Name, Recording
+from synth.simulate.lanes.lane_blocks import Name, Recording
 from synth.simulate.rig import Simulate
 from synth.simulate.scenario import Scenario, Trajectory
 

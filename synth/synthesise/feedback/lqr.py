@@ -28,7 +28,7 @@ from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.feedback import period_cost
-from synth.synthesise.riccati import equation, modes, riccati, weights
+from synth.synthesise.riccati import equation, riccati, weights
 from synth.timing import Continuous, Time, period
 
 
@@ -60,7 +60,7 @@ class Gain:
             [show.with_unit(name, self.units.get(name, "")) for name in names] for names in (self.inputs, self.states)
         )
         title = f"Optimal gain u = K x in {self.time}: {len(rows)} inputs, {len(columns)} states"
-        tables = (show.feedback(show.matrix("K", self.K, rows, columns)), modes.table(self.poles, self.time))
+        tables = (show.feedback(show.matrix("K", self.K, rows, columns)), weights.table(self.poles, self.time))
         return show.Sheet(title, self.certificate.lines(), tables)
 
 

@@ -7,7 +7,7 @@ rows divided by w_j and stacked, columns divided by their norms c,
     cov theta = s^2 C^-1 V S^-2 V' C^-1,       theta_i +- t(N p - k) sqrt(cov_ii),
 
 t the quantile of Student's distribution. For several outputs with unknown w_j, the noise of each is estimated by
-restricted maximum likelihood with repeated fits, which widens the intervals (`variances`). Right singular vectors of
+restricted maximum likelihood with repeated fits, which widens the intervals. Right singular vectors of
 zero singular values are combinations of parameters that the data do not determine.
 
 Variance components of several outputs by restricted maximum likelihood (REML), and their effect on the confidence.
@@ -23,7 +23,7 @@ Estimated weights increase the variance of the estimate above R R' for known one
     cov theta = R (I + 2 sum_ij W_ij (d_ij G_i - G_i G_j)) R'          Kenward and Roger 1997
     freedom of theta_i = 2 / (a' W a),     a_j = (R G_j R')_ii / (R R')_ii       Satterthwaite 1946
 
-With parameters of groups of rows, [U, Q] takes the place of U (`bordered`). One output has N - k degrees of freedom. N
+With parameters of groups of rows, [U, Q] takes the place of U. One output has N - k degrees of freedom. N
 must exceed the number of parameters of each output: otherwise s_j -> 0, with a fit through all rows of output j, has
 the largest likelihood.
 

@@ -6,7 +6,7 @@
         |                            v                                            v
         +------------------>[ x3' = F x3 + G x1 + H u ]---> x3 ---(+)-----------> x2^ = x3 + L x1
 
-With the blocks of `reduced_partition` (x+ in discrete time) and the gain L (n - p, p)
+With the blocks of the `Partition` (x+ in discrete time) and the gain L (n - p, p)
 
     F = A22 - L A12,   G = F L + A21 - L A11,   H = B2 - L B1
 

@@ -67,7 +67,7 @@ def initial(system: System, P: weights.Weight, x: Values | None = None) -> State
 def predict(estimate: StateEstimate, system: System, W: weights.Weight, u: Values | None = None) -> StateEstimate:
     """Return the prediction one sample later; W (n, n) is the process noise, u (m,) the input, 0 if left out.
 
-    For a plant in continuous time `noise.sampled` gives the model and W.
+    For a plant in continuous time `kalman.sampled` gives the model and W.
 
     Raises TimingError for a continuous model; SignalError for a W or u of the wrong shape, not finite, asymmetric or
     indefinite.

@@ -2,7 +2,7 @@
 
     continuous  Omega(Y) = A'Y + Y A = -W,     discrete  Omega(Y) = A'Y A - Y = -W
 
-They are solved by squaring the bilinear image of A (Smith 1968, module `doubling`). Its powers are balls: where one is
+They are solved by squaring the bilinear image of A (Smith 1968, module `equation`). Its powers are balls: where one is
 below 1, A is stable. Omega^-1 then reverses the order of symmetric matrices, and an H with Omega(H) <= -S < 0 bounds
 what a defect V adds to Y:
 

@@ -23,7 +23,7 @@ from synth import arguments, show
 from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
-from synth.synthesise.riccati import exact_riccati, modes, solvability, weights
+from synth.synthesise.riccati import exact_riccati, solvability, weights
 from synth.synthesise.riccati.equation import Balance, Certificate, Equation, Solution
 from synth.timing import Continuous, Time
 
@@ -77,7 +77,7 @@ class Riccati:
         tables = (
             show.feedback(show.matrix("L", self.L, self.inputs, self.states), sign=-1),
             show.matrix("X", self.X, self.states, self.states),
-            modes.table(self.poles, self.time),
+            weights.table(self.poles, self.time),
         )
         return show.Sheet(f"Riccati solution in {self.time}: {n} states, {m} inputs", self.lines(), tables)
 

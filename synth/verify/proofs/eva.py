@@ -7,7 +7,7 @@ The claim is: for every state in its declared box S and all finite inputs,
 By induction every reachable state then lies in S. An alarm is any operation whose result Eva cannot show to be defined
 and finite: an overflow to infinity, a division by zero, the root of a negative number, an access out of bounds, a
 member that was not written, a wrapping unsigned sum. Eva computes with intervals of float and double and rounds every
-operation to nearest, which corresponds to C without contraction. `nonfinite` covers infinite and NaN inputs.
+operation to nearest, which corresponds to C without contraction. `contract` covers infinite and NaN inputs.
 
 Absence of alarms is not a proof, because an analysis that stops early raises none. The end of each harness must
 therefore be reached, and the number of proved claims must equal the number that follows from the manifest.
@@ -17,6 +17,8 @@ with the range of that input split into good, too low and too high. The split pr
 and the verdict of its guard, wherever the C uses the two. Each of these analyses covers the whole box, and excludes a
 failure unless one of its earlier alarms occurs. The first failure of an execution must therefore be raised by every
 analysis, and only claims that all analyses leave open are open.
+
+Parser of Frama-C's report of an Eva analysis: proved claims, alarms, unproved claims, trusted contracts.
 """
 
 import csv
@@ -32,9 +34,58 @@ from typing import Any
 
 from synth.check import Check
 from synth.errors import CompileError
-from synth.verify.proofs import contract, eva_report
+from synth.verify.proofs import contract
 from synth.verify.proofs.contract import Member
-from synth.verify.proofs.eva_report import HARNESS, Analysis
+
+HARNESS = "synth_eva.c"
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Properties as text; a property has the same text in every analysis of a harness."""
+
+    proved: frozenset[str]
+    alarms: frozenset[str]
+    unproved: frozenset[str]
+    trusted: frozenset[str]
+
+    @property
+    def open(self) -> frozenset[str]:
+        """The alarms and the claims that are not proved."""
+        return self.alarms | self.unproved
+
+
+def read(rows: Sequence[Mapping[str, str]], log: str) -> Analysis:
+    """Sort the properties of Frama-C into proved claims, alarms and unproved claims."""
+    admitted = [row for row in rows if row["property kind"] == "user hypothesis"]
+    source_rows = [row for row in rows if not row["directory"].startswith("FRAMAC_SHARE") and row not in admitted]
+    ends = [row for row in source_rows if row["property"] == "\\false" and row["file"] == HARNESS]
+    claims = [row for row in source_rows if row["property kind"] == "user check" and row not in ends]
+    others = [
+        row for row in source_rows if row not in claims and row not in ends and row["status"] not in ("Valid", "Dead")
+    ]
+    alarms = [row for row in others if not row["property kind"].startswith("precondition")]
+    unproved = [row for row in claims if row["status"] != "Valid"] + [row for row in others if row not in alarms]
+    # Eva must refute the false claim at the end: if the end were unreachable, every claim there would hold.
+    reached = [row["status"] for row in ends] == ["Invalid or unreachable"]
+    return Analysis(
+        proved=frozenset(property_text(row) for row in claims if row["status"] == "Valid"),
+        alarms=frozenset(map(property_text, alarms)),
+        unproved=frozenset(map(property_text, unproved)) | (frozenset() if reached else {"the end is never reached"}),
+        trusted=_trusted_functions(log),
+    )
+
+
+def _trusted_functions(log: str) -> frozenset[str]:
+    marker = "using specification for function "
+    functions = [line.split(marker)[1].strip() for line in log.splitlines() if marker in line]
+    return frozenset(name for name in functions if not name.startswith("Frama_C_"))
+
+
+def property_text(row: Mapping[str, str]) -> str:
+    """Return a property of the report as text."""
+    return f"{row['file']}:{row['line']}: {row['property kind']}: {row['property']}"
+
 
 TIME_LIMIT_S = 1800  # against an analysis that does not terminate; minutes are usual
 _PROCESSES = 2
@@ -209,7 +260,7 @@ def _exact_literal(member: Member, value: float) -> str:
 
 def _analyses(files: Mapping[str, str], harnesses: Sequence[str]) -> list[Analysis]:
     with ThreadPoolExecutor(_PROCESSES) as pool:
-        return list(pool.map(lambda harness: eva_report.read(*_run_frama_c(files, harness)), harnesses))
+        return list(pool.map(lambda harness: read(*_run_frama_c(files, harness)), harnesses))
 
 
 def _run_frama_c(files: Mapping[str, str], harness: str) -> tuple[list[dict[str, str]], str]:
@@ -233,7 +284,7 @@ def _refuted_admissions(files: Mapping[str, str], harness: str) -> frozenset[str
     checked_files = {name: text.replace(_ADMIT, _CHECK) for name, text in files.items()}
     rows, _ = _run_frama_c(checked_files, harness)
     source_rows = [row for row in rows if row["property kind"] == "user check" and row["file"] != HARNESS]
-    return frozenset(eva_report.property_text(row) for row in source_rows if row["status"] not in ("Valid", "Unknown"))
+    return frozenset(property_text(row) for row in source_rows if row["status"] not in ("Valid", "Unknown"))
 
 
 def _run(command: Sequence[str], folder: Path) -> str:

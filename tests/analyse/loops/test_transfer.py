@@ -7,7 +7,7 @@ import scipy.special
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from synth.analyse.loops import nyquist, stability_margins, transfer
+from synth.analyse.loops import stability_margins, transfer
 from synth.errors import ModelError
 from synth.timing import Continuous
 from tests import tolerances
@@ -31,7 +31,7 @@ def positioner(k: float, a: float, inertia: float) -> object:
 
 
 def count(loop: transfer.Delayed) -> float:
-    return nyquist.count_unstable(loop)
+    return stability_margins.count_unstable_poles(loop)
 
 
 def lambert_count(a: float, k: float, tau: float) -> int:

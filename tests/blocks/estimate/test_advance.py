@@ -9,7 +9,7 @@ from synth.block import Block
 from synth.blocks.estimate import advance
 from synth.blocks.guard import safety
 from synth.composition import compose
-from synth.execute import build
+from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -29,7 +29,7 @@ def guarded(samples: float = A, speed: float = SPEED) -> Block:
 
 
 def run(x: Any, **options: Any) -> dict[str, Any]:
-    return build.compile_block(guarded(**options), np.float64).replay({"x": np.asarray(x, float)}).outputs
+    return host.compile_block(guarded(**options), np.float64).replay({"x": np.asarray(x, float)}).outputs
 
 
 def test_at_constant_speed_it_is_the_position_when_the_current_acts() -> None:

@@ -10,10 +10,9 @@ import pytest
 from synth.block import Block
 from synth.blocks.estimate import dead_reckoning
 from synth.blocks.estimate.dead_reckoning import Axis
-from synth.blocks.faults import braking
-from synth.blocks.guard import safety
+from synth.blocks.guard import safe_output, safety
 from synth.composition import compose
-from synth.execute.build import compile_block
+from synth.execute.host import compile_block
 from synth.signals import Signal
 from synth.statespace import Array
 from synth.timing import Discrete
@@ -95,7 +94,7 @@ def left_after_braking(axis: Axis, change: float = 1.0) -> float:
     """
     reckoning = dead_reckoning.block("reckoning", TIME, [axis])
     constants = [replace(c, value=change * c.value) if c.name == "q_bias_gain" else c for c in reckoning.constants]
-    brakes = braking.block("braking", TIME, [axis], {"q": (LAW, PASSED)}, 0.5)
+    brakes = safe_output.braking_block("braking", TIME, [axis], {"q": (LAW, PASSED)}, 0.5)
     whole = compose("whole", [replace(reckoning, constants=tuple(constants)), brakes],
                     inputs=["q", "f", "ready", "measured", "law_f", "brakes"],
                     outputs=["d_f", "q_predicted"])  # fmt: skip
@@ -166,7 +165,7 @@ def test_the_last_innovation_removes_the_offset_of_an_unknown_acceleration() -> 
 def loop(share: float = 0.5, change: float = 1.0) -> Block:
     """Return reckoning and braking of an axis whose effort is limited to 1 A; `change` scales the braking gain."""
     axis = replace(AXIS, effort=replace(F, name="acting", low=-1.0, high=1.0))
-    block = braking.block("braking", TIME, [axis], {"q": (LAW, PASSED)}, share)
+    block = safe_output.braking_block("braking", TIME, [axis], {"q": (LAW, PASSED)}, share)
     block = replace(block, constants=tuple(replace(c, value=change * c.value) for c in block.constants))
     return compose("loop", [dead_reckoning.block("reckoning", TIME, [axis]), block],
                    inputs=["q", "acting", "ready", "measured", "law_f", "brakes"],

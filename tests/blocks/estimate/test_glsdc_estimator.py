@@ -18,8 +18,7 @@ from synth.blocks.estimate.glsdc_model import Unknown
 from synth.blocks.estimate.glsdc_solution import Iteration
 from synth.emit import write
 from synth.errors import EmitError
-from synth.execute.build import compile_block
-from synth.execute.host import Batch, Controller, Records
+from synth.execute.host import Batch, Controller, Records, compile_block
 from synth.signals import Signal
 from synth.statespace import Array
 

@@ -9,8 +9,7 @@ import pytest
 from benchmarks import beacons
 from synth.blocks.estimate import glsdc_integrity
 from synth.blocks.estimate.glsdc_integrity import Integrity
-from synth.execute.build import compile_block
-from synth.execute.host import Controller
+from synth.execute.host import Controller, compile_block
 from synth.statespace import Array
 
 OF = beacons.ranges(6)

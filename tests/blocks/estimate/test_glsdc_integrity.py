@@ -14,8 +14,7 @@ from synth.blocks.estimate import glsdc_estimator, glsdc_integrity, glsdc_model
 from synth.blocks.estimate.glsdc_integrity import Integrity
 from synth.blocks.estimate.glsdc_model import Unknown
 from synth.errors import ModelError
-from synth.execute.build import compile_block
-from synth.execute.host import Columns, Controller
+from synth.execute.host import Columns, Controller, compile_block
 from synth.signals import Signal
 from synth.statespace import Array
 

@@ -13,8 +13,7 @@ from synth.blocks.estimate.glsdc_integrity import Integrity
 from synth.blocks.estimate.glsdc_model import Unknown
 from synth.blocks.estimate.glsdc_search import Search
 from synth.blocks.estimate.glsdc_solution import Iteration
-from synth.execute.build import compile_block
-from synth.execute.host import Controller
+from synth.execute.host import Controller, compile_block
 from synth.signals import Signal
 from synth.statespace import Array
 from synth.timing import Discrete

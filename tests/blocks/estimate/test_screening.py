@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from synth.block import Block
-from synth.blocks.estimate import screening
+from synth.blocks.estimate import glsdc_search
 from synth.blocks.guard import safety
 from synth.composition import compose
-from synth.execute.build import compile_block
+from synth.execute.host import compile_block
 from synth.signals import Signal
 from synth.statespace import Array
 from synth.timing import Discrete
@@ -21,7 +21,7 @@ GROUPS = [["v_ax", "v_ay"], ["v_by", "v_bx"], ["v_c"]]
 
 def screen(repeats: int = REPEATS) -> Block:
     guard = safety.guard(TIME, [safety.GuardedInput(s, 0.0, True) for s in CHANNELS], 5)
-    parts = [guard, screening.screen(TIME, CHANNELS, GROUPS, repeats)]
+    parts = [guard, glsdc_search.screen(TIME, CHANNELS, GROUPS, repeats)]
     return compose("screened", parts, inputs=[s.name for s in CHANNELS], outputs=["rejected", "screened"])
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from synth.block import Block, Exprs, Step, build
 from synth.blocks.estimate.dead_reckoning import MEASURED
-from synth.blocks.faults import repeated_codes
+from synth.blocks.faults import innovation_monitor
 from synth.reference import repeated_codes as reference
 from synth.signals import Signal
 from synth.statespace import Array
@@ -17,18 +17,18 @@ from synth.timing import Discrete
 N, RANGE = 6, 5.0
 NAMES = ("a", "b", "c", "d")
 CHANNELS = [Signal(name, "V", -RANGE, RANGE) for name in NAMES]
-KNOWN_AFTER = repeated_codes.longest(len(NAMES), N)
+KNOWN_AFTER = innovation_monitor.longest(len(NAMES), N)
 
 
 def watch(repeats: int = N, watched: int = N) -> Block:
     """Return a Block that watches in measured samples; `watched` is the number it counts to, `repeats` the declared."""
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        after = repeated_codes.watch(x, [u[name] for name in NAMES], watched, u["goes_on"], ca.SX(0))
+        after = innovation_monitor.watch(x, [u[name] for name in NAMES], watched, u["goes_on"], ca.SX(0))
         next = {name: ca.if_else(u[MEASURED.name], value, x[name]) for name, value in after.next.items()}
         return Step({"flag": after.flag}, next)
 
-    states = repeated_codes.states(CHANNELS, repeats)
+    states = innovation_monitor.states(CHANNELS, repeats)
     flag, goes_on = (Signal(name, "1", 0, 1) for name in ("flag", "goes_on"))
     return build("w", Discrete(1e-3), law, inputs=[*CHANNELS, MEASURED, goes_on], outputs=[flag], states=states)
 

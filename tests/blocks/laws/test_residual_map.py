@@ -3,7 +3,7 @@
 import numpy as np
 
 from synth.block import Exprs, Step, build, table, unranged
-from synth.blocks.laws import lookup_table, residual_map
+from synth.blocks.laws import lookup_table
 from synth.blocks.laws.lookup_table import Grid
 from synth.emit import write
 from synth.execute import host
@@ -21,34 +21,34 @@ def bilinear(at: np.ndarray) -> np.ndarray:
 
 
 def test_a_bilinear_residual_is_fitted_exactly() -> None:
-    of = residual_map.fit(PLACES, bilinear(PLACES), GRID, smoothing=1e-9)
+    of = lookup_table.fit(PLACES, bilinear(PLACES), GRID, smoothing=1e-9)
     np.testing.assert_allclose(of.at(PLACES), bilinear(PLACES), atol=1e-6)
 
 
 def test_beyond_the_grid_its_edge_holds() -> None:
-    of = residual_map.fit(PLACES, bilinear(PLACES), GRID)
+    of = lookup_table.fit(PLACES, bilinear(PLACES), GRID)
     np.testing.assert_allclose(of.at([[5.0, 0.2]]), of.at([[2.0, 0.2]]))
 
 
 def test_points_without_samples_continue_their_neighbours() -> None:
     near = PLACES[PLACES[:, 0] < 1.0]
-    of = residual_map.fit(near, bilinear(near), GRID)
+    of = lookup_table.fit(near, bilinear(near), GRID)
     np.testing.assert_allclose(of.at([[1.9, 0.3]])[0, 1], 1.9, atol=0.02)
 
 
 def test_smoothing_averages_noise() -> None:
     noisy = bilinear(PLACES) + 0.1 * RNG.standard_normal((3000, 2))
-    errors = [np.std(residual_map.fit(PLACES, noisy, GRID, s).at(PLACES) - bilinear(PLACES)) for s in (1e-9, 1e3)]
+    errors = [np.std(lookup_table.fit(PLACES, noisy, GRID, s).at(PLACES) - bilinear(PLACES)) for s in (1e-9, 1e3)]
     assert errors[1] < 0.7 * errors[0] < 0.03
 
 
 def test_values_are_rounded_to_the_unit() -> None:
-    values = residual_map.fit(PLACES, bilinear(PLACES), GRID, unit=0.25).values
+    values = lookup_table.fit(PLACES, bilinear(PLACES), GRID, unit=0.25).values
     np.testing.assert_array_equal(values, 0.25 * np.rint(values / 0.25))
 
 
 def test_the_c_looks_up_the_same_values() -> None:
-    of = residual_map.fit(PLACES, np.sin(3 * bilinear(PLACES)), GRID)
+    of = lookup_table.fit(PLACES, np.sin(3 * bilinear(PLACES)), GRID)
     tables = {n: table(n, of.values[..., i].ravel()) for i, n in enumerate(("a", "b"))}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -66,5 +66,5 @@ ALONG = np.linspace(-0.9, 0.9, 41)
 
 def test_a_cross_and_one_place_beside_it_are_enough() -> None:
     cross = np.vstack([np.column_stack([ALONG, 0 * ALONG]), np.column_stack([0 * ALONG, ALONG]), [[0.5, 0.5]]])
-    of = residual_map.fit(cross, bilinear(cross), GRID, smoothing=1e-9)
+    of = lookup_table.fit(cross, bilinear(cross), GRID, smoothing=1e-9)
     np.testing.assert_allclose(of.at(PLACES), bilinear(PLACES), atol=1e-3)

@@ -17,7 +17,7 @@ from synth.check import Check
 from synth.declare.stage import Stage
 from synth.emit import write
 from synth.verify import standard
-from synth.verify.proofs import eva, misra, nonfinite
+from synth.verify.proofs import contract, eva, prove
 from tests import tools
 
 ROOT = Path(__file__).parents[3]
@@ -99,8 +99,8 @@ def test_the_committed_c_keeps_its_contract_over_the_whole_domain() -> None:
     files, manifest = committed_files(config.NAME)
     proof = eva.prove(files, manifest)
     assert proof.proved == proof.claims > 100 and failed_names(proof.checks()) == []
-    assert failed_names(nonfinite.compare(files, manifest).checks()) == []
-    assert failed_names(misra.inspect(files).checks()) == []
+    assert failed_names(contract.compare(files, manifest).checks()) == []
+    assert failed_names(prove.inspect(files).checks()) == []
 
 
 @needs_provers
@@ -119,7 +119,7 @@ def test_a_number_that_is_none_and_passes_is_detected() -> None:
     files, manifest = committed_files(config.NAME)
     name = f"{config.NAME}.c"
     deaf = files[name].replace("if (fabsf(value) <= high) {", "if (!(fabsf(value) > high)) {")
-    assert deaf != files[name] and failed_names(nonfinite.compare({**files, name: deaf}, manifest).checks())
+    assert deaf != files[name] and failed_names(contract.compare({**files, name: deaf}, manifest).checks())
 
 
 def test_its_audit_is_that_of_the_paper(design: Stage) -> None:

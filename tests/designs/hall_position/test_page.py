@@ -14,10 +14,10 @@ from designs.hall_position.paper import rows
 from models.hall_stage import Stage
 from synth.emit.write import EmittedCode
 from synth.report import audit, sections, template
-from synth.report.captions import Content, Rows
 from synth.report.page import Folded, Section, Table
+from synth.report.prose import Content, Rows
 from synth.verify.cost import Cost
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 STAGE = Stage()
 MOST = 2_000_000  # bytes of a page

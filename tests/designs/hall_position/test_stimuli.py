@@ -16,7 +16,7 @@ from designs.hall_position import config, random_steps, stimuli
 from synth.blocks.guard import safety
 from synth.emit.write import EmittedCode
 from synth.execute import host
-from synth.verify import baselines, meter, steps
+from synth.verify import meter, steps
 from synth.verify.meter import Build
 from synth.verify.steps import Steps
 from tests import ceilings, tools
@@ -79,7 +79,7 @@ def test_the_sequences_search_restart_and_converge() -> None:
 
 @tools.needs_arm_gcc
 def test_every_decision_is_seen_both_ways() -> None:
-    candidate = baselines.emitted_c(subject(config.NAME).emitted)
+    candidate = meter.emitted_source(subject(config.NAME).emitted)
     coverage = meter.coverage(candidate, meter.run(candidate, subject(config.NAME).every(THIN), ONCE), ONCE)
     assert coverage.decisions > 50 and [line for line in coverage.missing if not LEAST_PIVOT.search(line)] == []
 
@@ -88,7 +88,7 @@ def test_every_decision_is_seen_both_ways() -> None:
 def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: Build) -> None:
     ceiling = ceilings.of(name, build)
     costly = steps.concatenate("costly", [steps.thinned(subject(name).sequences[s], COSTLY_STEPS) for s in COSTLY])
-    most = meter.run(baselines.emitted_c(subject(name).emitted), costly, build).cost.instructions.max()
+    most = meter.run(meter.emitted_source(subject(name).emitted), costly, build).cost.instructions.max()
     assert 0.93 * ceiling < most <= ceiling
     assert ceiling <= LIMIT
 
@@ -97,8 +97,8 @@ def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: Build) -> 
 def test_casadis_own_c_takes_twice_as_many() -> None:
     pair, build = subject(config.NAME), ceilings.BUILDS["gcc, newlib"]
     few = steps.thinned(pair.sequences["motions"], 20)
-    baseline = meter.run(baselines.casadi(config.block(), shimmed=True), few, build).cost.instructions
-    emitted_cost = meter.run(baselines.emitted_c(pair.emitted), few, build).cost.instructions
+    baseline = meter.run(meter.casadi(config.block(), shimmed=True), few, build).cost.instructions
+    emitted_cost = meter.run(meter.emitted_source(pair.emitted), few, build).cost.instructions
     assert baseline.min() > 1.8 * emitted_cost.max()
 
 

@@ -17,8 +17,8 @@ from synth.block import Block
 from synth.blocks.guard import safety
 from synth.check import Check
 from synth.emit import write
-from synth.execute import build, host
-from synth.simulate import ensemble
+from synth.execute import host
+from synth.simulate import sampling
 from synth.verify import agree, replays, suite
 from synth.verify.agree import StepResults
 from synth.verify.suite import Witnesses
@@ -42,7 +42,7 @@ def steps_of(kind: str) -> Steps:
     of = subject()
     if kind == "motions":
         inputs = random_steps.motion_inputs(of, SIZES[kind])
-        return verification.condition_steps(of, kind, *ensemble.consecutive_steps(sound().c64, inputs))
+        return verification.condition_steps(of, kind, *sampling.consecutive_steps(sound().c64, inputs))
     draw = {"random": random_steps.operating_steps, "edge": random_steps.edge_steps}[kind]
     return verification.condition_steps(of, kind, *draw(of, SIZES[kind]))
 
@@ -163,7 +163,7 @@ def test_a_deviation_that_is_wrong_in_double_is_detected() -> None:
 def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     other = replace(
         sound(),
-        c64=build.compile_block(
+        c64=host.compile_block(
             replace(subject().block, faults=()), np.float64, error=estimator.SURROGATE_ERROR[np.float64]
         ),
     )

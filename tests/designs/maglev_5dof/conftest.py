@@ -10,7 +10,7 @@ from synth.declare.stage import Stage
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.rig import Rig
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 
 @pytest.fixture(scope="session")

@@ -15,11 +15,10 @@ from synth.app import standard_tasks
 from synth.block import Block
 from synth.check import Check
 from synth.emit import write
-from synth.execute import build
+from synth.execute import host
 from synth.simulate.faults import campaign
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory, sample_times
 from synth.verify import drive, replays
 from tests.designs.maglev_5dof.test_fault_campaign import with_defect
 
@@ -36,7 +35,7 @@ def rig() -> Rig:
 
 def behind(block: Block) -> Rig:
     """Return the rig with another commutation."""
-    return replace(rig(), drive=(build.compile_block(block, np.float32, error=ERROR[np.float32]),))
+    return replace(rig(), drive=(host.compile_block(block, np.float32, error=ERROR[np.float32]),))
 
 
 def errors(of: Rig) -> dict[str, float]:
@@ -153,7 +152,7 @@ def test_direct_currents_go_to_the_motors_whose_position_is_known(lost: float) -
     inputs = {f"i_d{j}": np.ones(n) for j in platen.MOTORS} | {f"i_q{j}": np.zeros(n) for j in platen.MOTORS}
     inputs |= {"x_commutation": np.zeros(n), "z_commutation": np.zeros(n)}
     inputs["x_commutation"][10:60] = lost
-    c64 = build.compile_block(PHASES, np.float64, error=ERROR[np.float64])
+    c64 = host.compile_block(PHASES, np.float64, error=ERROR[np.float64])
     out = replays.replay(c64, inputs).outputs
     sizes = {j: np.sqrt(2 / 3 * sum(out[f"i_{p}{j}"] ** 2 for p in "abc") / 2) for j in platen.MOTORS}
     for j, before, during in ((1, 1.0, 2.0), (2, 1.0, 0.0), (3, 1.0, 2.0), (4, 1.0, 0.0)):

@@ -14,7 +14,7 @@ from synth.app import standard_tasks
 from synth.check import Check
 from synth.emit.write import EmittedCode
 from synth.execute import host
-from synth.verify import baselines, meter, on_target, steps, stimuli
+from synth.verify import meter, replays, steps, stimuli
 from synth.verify.cost import Cost
 from synth.verify.steps import Steps
 from tests import tools
@@ -71,7 +71,7 @@ REPEATED = "if (waiting) {"  # zig tests it again where it has just found it to 
 
 @pytest.mark.parametrize("build", [build for build in tools.BUILDS if "contracted" not in str(build.id)])
 def test_every_decision_is_seen_both_ways(build: meter.Build, sequences: dict[str, Steps]) -> None:
-    candidate = baselines.emitted_c(EMITTED)
+    candidate = meter.emitted_source(EMITTED)
     short = [steps.thinned(s, 50 if s.closed_loop else 10000) for s in sequences.values()]
     coverage = meter.coverage(candidate, meter.run(candidate, steps.concatenate("all", short), build), build)
     missing = [line for line in coverage.missing if not (build.compiler == "zig" and REPEATED in line)]
@@ -80,7 +80,7 @@ def test_every_decision_is_seen_both_ways(build: meter.Build, sequences: dict[st
 
 def test_the_replay_is_the_hosts_to_the_bit(inputs: dict[str, Any]) -> None:
     short = {name: column[-2000:] for name, column in inputs.items()}
-    checks: tuple[Check, ...] = on_target.verify(EMITTED, short, "cortex-m4f", lambda _: None)
+    checks: tuple[Check, ...] = replays.verify(EMITTED, short, "cortex-m4f", lambda _: None)
     assert checks and all(c.passed for c in checks), checks
 
 
@@ -93,7 +93,7 @@ def test_the_law_alone_is_measured_without_the_count_of_missed_calls(
     monkeypatch.setattr(meter, "builds", lambda: (ZIG,))
     loop = steps.thinned(steps.record(controller, "closed loop", inputs, closed_loop=True), meter.BRIEF_STEPS)
     shared = steps.thinned(steps.without_faults(controller, loop), meter.BRIEF_COMMON)
-    mine = meter.step_cost(baselines.emitted_c(EMITTED), shared, ZIG, controller)
+    mine = meter.step_cost(meter.emitted_source(EMITTED), shared, ZIG, controller)
     whole = Cost(control.NAME, meter.CORE, 1e-3, (mine,), (), (), {}, ())
     first, alone = meter.with_law_alone(whole, law(), inputs).compared
     assert first is mine and alone.build == mine.build and alone.steps == mine.steps == meter.BRIEF_COMMON

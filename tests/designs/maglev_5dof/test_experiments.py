@@ -8,8 +8,8 @@ import pytest
 from designs.maglev import platen
 from designs.maglev_5dof.design import DESIGN
 from synth.app import tasks
-from synth.simulate.experiment import Experiment
-from synth.simulate.faults import machines
+from synth.simulate.experiments import Experiment
+from synth.simulate.faults import campaign
 from synth.simulate.rig import Rig
 
 pytestmark = pytest.mark.whole
@@ -67,7 +67,7 @@ def final_gaps(rig: Rig, gap: float, current: float) -> list[float]:
     """Return the gaps at the end, from rest at a gap under direct currents alone, on the plants of the campaign."""
     direct = rig.without_drive
     forcing = {f"i_d{j}": current for j in range(1, 5)} | {"u_x": 0.0, "u_z": 0.0}
-    plants = [replace(direct, plant=machines.plant_number(direct.plant, i)) for i in range(17)]
+    plants = [replace(direct, plant=campaign.plant_number(direct.plant, i)) for i in range(17)]
     return [float(r.run(2.0, {"y": gap}, {}, actuators={}, forcing=forcing)["y"][-1]) for r in plants]
 
 

@@ -16,12 +16,11 @@ from models import maglev_stage
 from synth.app import standard_tasks
 from synth.base.progress import silent
 from synth.execute import host
-from synth.simulate.faults import campaign, injections, machines
+from synth.simulate.faults import campaign, injections
 from synth.simulate.faults.campaign import FaultRun
 from synth.simulate.faults.injections import Injection
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory
 
 pytestmark = [pytest.mark.slow, pytest.mark.whole]
 
@@ -49,7 +48,7 @@ def test_an_encoder_of_x_that_freezes_in_motion_is_named_within_20_ms_and_the_pl
 
 def machine(rig: Rig, number: int, friction: bool) -> Rig:
     """Return a machine of the campaign, with friction in the guides of x and z or without."""
-    wrong = machines.machine_number(rig, number)
+    wrong = campaign.machine_number(rig, number)
     guides = maglev_stage.guide_disturbance(wrong.plant, {"x": 1.8, "z": 1.3}, 3) if friction else None
     return replace(wrong, disturbance=guides)
 
@@ -104,7 +103,7 @@ def test_without_two_gap_encoders_the_platen_lands_below_a_tenth_of_a_metre_per_
     motion = next(c for c in campaign.motion_and_standstill(rig) if c.name == campaign.IN_MOTION)
     k = np.arange(round(motion.duration_s / rig.period_s))
     for i, onset in product(range(PLANTS), motion.onsets):
-        perturbed = machines.machine_number(rig, i)
+        perturbed = campaign.machine_number(rig, i)
         lost = {name: Override(k >= onset, np.full(len(k), np.nan)) for name in pair}
         run = perturbed.run(motion.duration_s, motion.start, motion.references, overrides=lost)
         assert 0 < run.impacts["y"] < 0.1 and run["y"][-1] == pytest.approx(platen.GAP[1])  # m/s
@@ -115,7 +114,7 @@ def lose_x_tilted(rig: Rig, plant: int, gap: float) -> Trajectory:
     """Return 2.5 s at rest with a tilt of 3 mrad about Z, in which x is lost after 1 s."""
     mask = np.arange(round(2.5 / rig.period_s)) >= ONSET
     lost = {"x": Override(mask, np.full(len(mask), np.nan))}
-    return machines.machine_number(rig, plant).run(2.5, {"y": gap, "theta": 3e-3}, {"theta_ref": 3e-3}, overrides=lost)
+    return campaign.machine_number(rig, plant).run(2.5, {"y": gap, "theta": 3e-3}, {"theta_ref": 3e-3}, overrides=lost)
 
 
 def with_defect(rig: Rig, text: str, defect: str) -> Rig:

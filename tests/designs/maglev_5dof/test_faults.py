@@ -17,8 +17,7 @@ from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory, sample_times
 
 INPUTS = stages.guarded_inputs(platen.INTERFACE)
 NAMES = [g.signal.name for g in INPUTS]

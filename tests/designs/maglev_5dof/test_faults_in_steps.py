@@ -6,7 +6,7 @@ import pytest
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof_precise.design import DESIGN as PRECISE
 from synth.app import standard_tasks
-from synth.simulate.faults import campaign, machines
+from synth.simulate.faults import campaign
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from tests.designs.maglev_5dof.test_fault_campaign import with_defect
@@ -23,7 +23,7 @@ def in_a_step(
     """Return a run in which an encoder freezes, or `jumps` by so many m, so many samples `after` a step of 60 mm."""
     time = sample_times(duration, rig.period_s)
     k = np.arange(len(time))
-    rig = machines.machine_number(rig, plant)
+    rig = campaign.machine_number(rig, plant)
     start, references = {sensor: -SIZE / 2}, {f"{sensor}_ref": np.where(k < STEP, -SIZE / 2, SIZE / 2)}
     if not jumps:
         return rig.run(duration, start, references, lags={sensor: np.clip(k - STEP - after + 1, 0, None)})

@@ -9,7 +9,7 @@ from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
 from studies.maglev.held_currents import PERIOD_S, STATES, course, machine
 from synth.app import standard_tasks
-from synth.simulate.faults import campaign, machines
+from synth.simulate.faults import campaign
 from synth.simulate.scenario import Trajectory, sample_times
 from tests.designs.maglev_5dof import full_plant
 
@@ -41,7 +41,7 @@ def tracking(plant: int, phase: float, missed: int) -> Trajectory:
     references = {f"{axis}_ref": sine(time) for axis, sine in platen.COURSES.items()}
     start = {axis: float(references[f"{axis}_ref"][0]) for axis in ("y", "x", "z")}
     k = np.arange(len(time))
-    return machines.machine_number(rig, plant).run(
+    return campaign.machine_number(rig, plant).run(
         duration_s, start, references, missed=(k >= first) & (k < first + missed)
     )
 

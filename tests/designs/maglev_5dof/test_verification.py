@@ -9,10 +9,10 @@ from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.verification import law_states
 from models import maglev_stage
 from synth.block import Block
-from synth.execute import build, host
+from synth.execute import host
 from synth.plant import Plant
 from synth.verify import agree, sampling, suite
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 from tests.designs.maglev_5dof import full_plant
 
 
@@ -67,7 +67,7 @@ def _disagrees(agreement: agree.Agreement) -> bool:
 
 def _compiled(block: Block) -> host.Controller:
     """Return the C of a defective Block with functions of libm: other constants need polynomials of their own."""
-    return build.compile_block(block, np.float64, libm=True)
+    return host.compile_block(block, np.float64, libm=True)
 
 
 def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> None:

@@ -10,7 +10,7 @@ from synth.analyse.loops import robustness
 from synth.analyse.loops.disk import DiskMargin
 from synth.app import tasks
 from synth.declare.stage import Stage
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.verify import standard
 
 LEAST_DELAY = 3e-3  # s

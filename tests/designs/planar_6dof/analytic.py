@@ -20,7 +20,7 @@ from designs.planar_6dof.sensing import calibration
 from designs.planar_6dof.sensing import sections as sensing
 from designs.planar_6dof_leadlag import control as leadlag
 from models import halbach
-from synth.blocks.faults import repeated_codes
+from synth.blocks.faults import innovation_monitor
 from synth.plant import Plant
 from synth.timing import Discrete
 
@@ -62,7 +62,7 @@ def sensor_slopes(plant: Plant, axis: str) -> tuple[float, float]:
     height = ca.SX(plant.parameter("height").value)
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
     slope, level, scale = sum(n * a for n, a in A.items()), sum(A.values()), 1.0
-    for share in (1.0, repeated_codes.WATCHED * calibration.SCALE_GAIN):
+    for share in (1.0, innovation_monitor.WATCHED * calibration.SCALE_GAIN):
         scale -= share * ((scale * level) ** 2 / cal.power[0] - 1) / 2
     slope, level = scale * slope, scale * level
     if axis != "phi":

@@ -13,8 +13,7 @@ from synth.declare.stage import Stage
 from synth.simulate.faults import campaign, injections
 from synth.simulate.faults.campaign import FaultRun
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory, sample_times
 from synth.statespace import Array
 
 SPEEDS = ({"x": 0.115, "y": -0.08}, {"x": -0.099, "y": -0.099})  # m/s, 0.14 together

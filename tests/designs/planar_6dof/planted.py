@@ -13,7 +13,7 @@ from synth.block import Block
 from synth.emit import write
 from synth.execute import host
 from synth.verify import agree, suite
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 
 PLANT = planar_stage.plant()
 RANDOM_STEPS, EDGES = 30_000, 5000

@@ -9,7 +9,7 @@ from designs.planar_6dof import drawings, experiments, page
 from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.sensing import maps as sensing_maps
 from synth.report.audit import Figure, Published, Row, Verdict
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 

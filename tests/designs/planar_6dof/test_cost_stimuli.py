@@ -21,7 +21,7 @@ from synth.app import standard_tasks
 from synth.blocks.guard import safety
 from synth.emit.write import EmittedCode
 from synth.execute import host
-from synth.verify import baselines, meter, on_target, standard, steps, stimuli
+from synth.verify import meter, replays, standard, steps, stimuli
 from synth.verify.steps import Steps
 from tests import ceilings, tools
 
@@ -113,7 +113,7 @@ def test_the_replay_has_faults_and_latches_in_the_end(design: Subject) -> None:
 def test_the_replay_is_the_hosts_to_the_bit() -> None:
     lqg = subject("planar_6dof_lqg")
     short = {name: column[-700:] for name, column in recorded_inputs("planar_6dof_lqg").items()}  # with the latch
-    checks = on_target.verify(lqg.emitted, short, "cortex-m4f", lambda _: None)
+    checks = replays.verify(lqg.emitted, short, "cortex-m4f", lambda _: None)
     assert checks and all(c.passed for c in checks), checks
 
 
@@ -185,7 +185,7 @@ def unexplained_decisions(missing: tuple[str, ...]) -> list[str]:
 )
 def test_every_decision_is_seen_both_ways(name: str, build: meter.Build) -> None:
     """One compiler for the lead-lag, whose text differs from LQG's in filters and loops alone."""
-    candidate = baselines.emitted_c(subject(name).emitted)
+    candidate = meter.emitted_source(subject(name).emitted)
     coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every, build), build)
     assert coverage.decisions > 60 and len(coverage.missing) < 20
     assert not unexplained_decisions(coverage.missing), "\n".join(unexplained_decisions(coverage.missing))
@@ -196,7 +196,7 @@ def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: meter.Buil
     ceiling = ceilings.of(name, build)
     costly = [s for s in subject(name).sequences.values() if s.name.endswith(("resampled", "again"))]
     stimulus = steps.concatenate("costly", [steps.thinned(s, COSTLY) for s in costly])
-    most = meter.run(baselines.emitted_c(subject(name).emitted), stimulus, build).cost.instructions.max()
+    most = meter.run(meter.emitted_source(subject(name).emitted), stimulus, build).cost.instructions.max()
     assert 0.95 * ceiling < most <= ceiling
 
 
@@ -205,7 +205,7 @@ def test_recorded_steps_and_failures_keep_below_their_ceilings(
     sequences: str, build: meter.Build, design: Subject
 ) -> None:
     ceiling, recorded = ceilings.of(sequences, build), [design.sequences[s] for s in RECORDED[sequences]]
-    run = meter.run(baselines.emitted_c(design.emitted), steps.concatenate("recorded", recorded), build)
+    run = meter.run(meter.emitted_source(design.emitted), steps.concatenate("recorded", recorded), build)
     assert 0.95 * ceiling < run.cost.instructions.max() <= ceiling
 
 

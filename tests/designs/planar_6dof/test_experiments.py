@@ -15,10 +15,10 @@ from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import halbach, planar_stage
-from synth.blocks.faults import repeated_codes
+from synth.blocks.faults import innovation_monitor
 from synth.fault import BRAKING_BIT, LATCH_BIT
-from synth.simulate.experiment import Experiment
-from synth.simulate.faults.failure import Failure
+from synth.simulate.experiments import Experiment
+from synth.simulate.faults.failure_experiments import Failure
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 
@@ -181,7 +181,7 @@ def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
     for channel in failures.HALL:  # at rest, where no motion shows it
         f = failures.fail(lead, channel, "stuck")
         assert f.samples_to_detection is not None and not f.others
-        assert f.samples_to_detection <= repeated_codes.longest(len(failures.HALL), sections.REPEATS) + 3
+        assert f.samples_to_detection <= innovation_monitor.longest(len(failures.HALL), sections.REPEATS) + 3
 
 
 def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:

@@ -9,7 +9,7 @@ from designs.planar_6dof.sensing import sections as sensing
 from designs.planar_6dof_leadlag.design import subject as leadlag
 from designs.planar_6dof_lqg.design import subject as lqg
 from models.planar_stage import HALL
-from synth.blocks.faults import repeated_codes
+from synth.blocks.faults import innovation_monitor
 from synth.execute import host
 from synth.fault import LATCH_BIT
 from synth.statespace import Array
@@ -49,7 +49,7 @@ def test_a_frozen_channel_is_the_only_suspect_in_the_promised_time(controller: h
         first = int(np.argmax(faults > 0))
         assert suspects(int(faults[first])) == [name] and faults[-1] >> LATCH_BIT
         repeats = 4  # by chance, of sound channels in the meantime
-        known = repeated_codes.longest(len(HALL), sensing.REPEATS)
+        known = innovation_monitor.longest(len(HALL), sensing.REPEATS)
         assert sensing.REPEATS <= first - ONSET - seed <= known + repeats
 
 

@@ -10,7 +10,7 @@ from designs.planar_6dof.sensing import maps as sensing_maps
 from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
 from synth.report import page
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from tests.designs.planar_6dof import short_runs
 

@@ -11,10 +11,9 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
 from models import planar_stage
-from synth.simulate.faults import machines
+from synth.simulate.faults import campaign
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory, sample_times
 
 POSE = {"x": 0.021, "y": -0.017, "phi": 4e-3, "theta": 1e-3, "psi": -1e-3}  # m, rad
 LATCH, SUSPECTS = 1 << 31, 0b111111 << 15
@@ -56,7 +55,7 @@ def now_and_then(n: int) -> NDArray[np.bool_]:
 @pytest.mark.parametrize("package", [leadlag, lqg])
 def test_bad_samples_now_and_then_do_not_latch(package: ModuleType, number: int) -> None:
     """A torque that is not modelled turns the platen a little in each of them, and the next measurement corrects it."""
-    rig = machines.machine_number(loops.of(package.subject().block), number)
+    rig = campaign.machine_number(loops.of(package.subject().block), number)
     for channel in ("V_ax", "V_by"):
         some = run(rig, channel, now_and_then, 6.0)
         assert not (some.faults & (LATCH | SUSPECTS)).any()

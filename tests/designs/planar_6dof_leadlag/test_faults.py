@@ -12,7 +12,7 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag.design import DESIGN, subject
 from models import planar_stage
 from synth.fault import BRAKING_BIT, LATCH_BIT
-from synth.simulate.faults import machines
+from synth.simulate.faults import campaign
 from synth.simulate.rig import Rig
 from tests.designs.planar_6dof.faulty_runs import (
     FAILS,
@@ -37,7 +37,7 @@ def rig() -> Rig:
 
 def on_plant(number: int, amplitude: float = 1.0) -> Rig:
     """Return the loop of a wrong plant of the campaign with another amplitude of all Hall voltages."""
-    machine = machines.machine_number(rig(), number)
+    machine = campaign.machine_number(rig(), number)
     sensitivity = amplitude * machine.plant.parameter("sensitivity").value
     return replace(machine, plant=machine.plant.with_parameters(sensitivity=sensitivity))
 

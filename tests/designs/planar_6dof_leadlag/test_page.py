@@ -11,7 +11,7 @@ from designs.planar_6dof_leadlag.design import DESIGN
 from models import planar_stage
 from synth.check import Check
 from synth.report import template
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 from tests.designs.planar_6dof import short_runs
 
 

@@ -11,7 +11,7 @@ from synth.analyse.loops import loop
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
-from synth.verify import baselines, meter, steps
+from synth.verify import meter, steps
 from tests import ceilings, tolerances
 
 
@@ -47,4 +47,4 @@ def test_what_a_step_costs(order: Order, build: meter.Build) -> None:
     errors = {axis: 1e-6 * np.sin(np.arange(50) + i) for i, axis in enumerate(HORIZONTAL)}
     small = steps.record(controller, "small", errors, closed_loop=True)
     stimulus = steps.random_steps(controller, 1000) if build.name == ceilings.OS else small
-    assert meter.run(baselines.emitted_c(emitted), stimulus, build).cost.instructions.max() <= ceiling
+    assert meter.run(meter.emitted_source(emitted), stimulus, build).cost.instructions.max() <= ceiling

@@ -14,10 +14,9 @@ from designs.planar_6dof_lqg.design import DESIGN, subject
 from models import planar_stage
 from synth.base.progress import silent
 from synth.errors import SignalError
-from synth.simulate.faults import campaign, machines
+from synth.simulate.faults import campaign
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Override
+from synth.simulate.scenario import Override, Trajectory, sample_times
 from tests.designs.planar_6dof.faulty_runs import (
     FAILS,
     LARGEST_SPEED,
@@ -83,7 +82,7 @@ def test_a_stuck_channel_leaves_no_speed(channel: str) -> None:
 
 def turning(rig: Rig, factor: float, plant: int) -> Trajectory:
     """Run a ramp of x with an oscillating yaw on a perturbed plant with another amplitude."""
-    machine = machines.machine_number(rig, plant)
+    machine = campaign.machine_number(rig, plant)
     sensitivity = factor * machine.plant.parameter("sensitivity").value
     time = sample_times(1.5, rig.period_s)
     references = {"x": ramp(0.1, -0.02, time), "phi": 7.8e-3 * np.sin(20 * np.pi * time)}

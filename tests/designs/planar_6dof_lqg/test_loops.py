@@ -11,7 +11,7 @@ from designs.planar_6dof_lqg import loops
 from models import planar_stage
 from synth.analyse.loops import disk
 from synth.errors import ModelError
-from synth.report import multivariable
+from synth.report import bode
 from tests.designs.planar_6dof import analytic
 
 PLANT = planar_stage.plant()
@@ -86,7 +86,7 @@ def test_the_whole_horizontal_loop() -> None:
     assert disks[loops.SHIPPED]["positions"].lower == pytest.approx(0.592, abs=2e-3)
     assert disks[loops.SHIPPED]["both"].lower == pytest.approx(0.290, abs=2e-3)
     frequency = np.geomspace(10, 2000, 100)
-    peak = {label: multivariable.singular(each["currents"], frequency).S.max() for label, each in whole.items()}
+    peak = {label: bode.singular(each["currents"], frequency).S.max() for label, each in whole.items()}
     assert peak[loops.PRINTED] > 2 * peak[loops.SHIPPED]
 
 

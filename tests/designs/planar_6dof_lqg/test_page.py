@@ -12,7 +12,7 @@ from designs.planar_6dof_lqg.design import DESIGN
 from models import planar_stage
 from synth.emit.write import EmittedCode
 from synth.report import template
-from synth.verify.evidence import Evidence
+from synth.verify.suite import Evidence
 from tests.designs.planar_6dof import short_runs
 
 ROOT = Path(__file__).parents[3]

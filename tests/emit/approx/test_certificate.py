@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synth.analyse.numerics.precise import precision
-from synth.emit.approx import certificate, enclosure, minimax, polynomial, surrogate
+from synth.emit.approx import certificate, enclosure, polynomial, surrogate
 from synth.errors import EmitError
 from tests.emit.functions import NARROW, PHASE, certify, enclose_function, fit_function, on_balls
 
@@ -19,8 +19,8 @@ def test_the_error_of_a_minimax_polynomial_equioscillates() -> None:
     with precision(enclosure.BITS):
         y = [-(flint.arb(k) / 200).cos_pi().mid() for k in range(201)]
         g = [v.exp().mid() for v in y]
-        assert minimax.fit(y, g, 0).error == pytest.approx(np.tanh(1.0), rel=1e-12)  # (M - m) / (M + m), M m = 1
-        best = minimax.fit(y, g, 5)
+        assert polynomial.fit(y, g, 0).error == pytest.approx(np.tanh(1.0), rel=1e-12)  # (M - m) / (M + m), M m = 1
+        best = polynomial.fit(y, g, 5)
         errors = np.array([float(best.series(a) / b - 1) for a, b in zip(y, g, strict=True)])
     turns = errors[np.flatnonzero(np.diff(np.sign(np.diff(errors)))) + 1]
     peaks = np.array([errors[0], *turns, errors[-1]])
@@ -34,10 +34,10 @@ def test_refitting_after_each_rounding_keeps_the_error_small() -> None:
         y = [-(flint.arb(k) / 100).cos_pi().mid() for k in range(101)]
         v = [flint.arb(3) / 2 + a / 2 for a in y]
         g = [a.exp().mid() for a in v]
-        c = minimax.fit(y, g, 9).series(flint.arb_poly([-3, 2])).coeffs()
+        c = polynomial.fit(y, g, 9).series(flint.arb_poly([-3, 2])).coeffs()
         apart = {}
         for way, rounded in (
-            ("again", minimax.round_coefficients(c, v, g, np.float32)),
+            ("again", polynomial.round_coefficients(c, v, g, np.float32)),
             ("each", tuple(float(np.float32(float(a))) for a in c)),
         ):
             p = flint.arb_poly(list(rounded))

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.emit.c import casadi_c
+from synth.emit.c import c_text
 from synth.errors import EmitError
 from synth.execute import compile as host_compiler
 
@@ -34,18 +34,18 @@ def call(files: dict[str, str], name: str, values: list[float]) -> list[float]:
 
 @pytest.mark.parametrize("f", [TURN, STRETCH])
 def test_compiled_functions_compute_what_casadi_does(f: ca.Function) -> None:
-    files = casadi_c.functions([TURN, STRETCH], "pair")
+    files = c_text.functions([TURN, STRETCH], "pair")
     assert list(files) == ["pair.c"]
     assert call(files, f.name(), [0.3, -2.0]) == pytest.approx(np.array(f([0.3, -2.0])).ravel().tolist(), rel=1e-15)
 
 
 def test_a_planted_sign_error_is_detected() -> None:
-    text = casadi_c.functions([TURN], "pair")["pair.c"].replace("(-a", "(a")
+    text = c_text.functions([TURN], "pair")["pair.c"].replace("(-a", "(a")
     assert call({"pair.c": text}, "turn", [0.3, -2.0])[1] != pytest.approx(np.exp(-0.3), rel=0.1)
 
 
 def test_the_text_is_the_same_every_time() -> None:
-    assert casadi_c.functions([TURN, STRETCH], "pair") == casadi_c.functions([TURN, STRETCH], "pair")
+    assert c_text.functions([TURN, STRETCH], "pair") == c_text.functions([TURN, STRETCH], "pair")
 
 
 @pytest.mark.parametrize(
@@ -59,4 +59,4 @@ def test_the_text_is_the_same_every_time() -> None:
 )
 def test_names_that_are_not_c_identifiers_are_refused(functions: list[ca.Function], name: str, says: str) -> None:
     with pytest.raises(EmitError, match=says):
-        casadi_c.functions(functions, name)
+        c_text.functions(functions, name)

@@ -10,10 +10,10 @@ import pytest
 
 from synth.block import State, Step, build, clip, table
 from synth.emit.c.expressions import Text
-from synth.emit.passes import regions
+from synth.emit.passes import schedule
 from synth.emit.write import emit
 from synth.signals import Signal
-from synth.verify.proofs import misra
+from synth.verify.proofs import prove
 from tests import tools
 from tests.emit import one_step
 from tests.emit.dyadic import TIME
@@ -65,9 +65,9 @@ def test_no_cast_of_a_composite_expression(law: Law, monkeypatch: pytest.MonkeyP
 
 @tools.needs("cppcheck", shows="that the rule finds the planted text, and none in what is emitted")
 def test_cppcheck_finds_a_cast_of_a_sum_and_none_in_what_is_emitted(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert not misra.inspect(code(whole_part)).findings
+    assert not prove.inspect(code(whole_part)).findings
     monkeypatch.setattr(Text, "is_composite", False)
-    assert {f.rule for f in misra.inspect(code(whole_part)).findings} == {"misra-c2012-10.8"}
+    assert {f.rule for f in prove.inspect(code(whole_part)).findings} == {"misra-c2012-10.8"}
 
 
 def bare_arm(u: ca.SX, n: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -77,8 +77,8 @@ def bare_arm(u: ca.SX, n: ca.SX) -> tuple[ca.SX, ca.SX]:
 @tools.needs("cppcheck", shows="that the rule finds the planted text, and none in what is emitted")
 def test_cppcheck_finds_a_bare_first_arm_and_none_in_what_is_emitted(monkeypatch: pytest.MonkeyPatch) -> None:
     """A choice inside a sum whose first arm is a product: that arm is a local where no `if` is printed."""
-    monkeypatch.setattr(regions, "_COMPOSED", frozenset())
-    assert "? (3.0f * " not in code(bare_arm)["casts.c"] and not misra.inspect(code(bare_arm)).findings
+    monkeypatch.setattr(schedule, "_COMPOSED", frozenset())
+    assert "? (3.0f * " not in code(bare_arm)["casts.c"] and not prove.inspect(code(bare_arm)).findings
     monkeypatch.setattr(Text, "is_bare", False)
     assert "? (3.0f * " in code(bare_arm)["casts.c"]
-    assert {f.rule for f in misra.inspect(code(bare_arm)).findings} == {"misra-c2012-12.1"}
+    assert {f.rule for f in prove.inspect(code(bare_arm)).findings} == {"misra-c2012-12.1"}

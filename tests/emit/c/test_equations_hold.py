@@ -15,8 +15,8 @@ from synth.block import Block
 from synth.declare.stage import Stage
 from synth.emit import pipeline
 from synth.emit.c import equations
-from synth.emit.passes import owners
-from synth.emit.program import numeric
+from synth.emit.passes import outline
+from synth.emit.program import lower
 from synth.emit.program.lower import Program
 
 DESIGNS = {
@@ -44,7 +44,7 @@ class Stated(NamedTuple):
 
 def stated(p: Program, monkeypatch: pytest.MonkeyPatch) -> list[Stated]:
     """Return every equation that is made for the comments, in signals and in variables."""
-    owner, of_mark = owners.by_node(p), {k: named.block for named, k in p.marks}
+    owner, of_mark = outline.by_node(p), {k: named.block for named, k in p.marks}
     made, equation = list[Stated](), equations._Text.equation
 
     def recorded(self: Any, name: str, k: int) -> equations.Equation:
@@ -69,7 +69,7 @@ def values(p: Program, block: Block, rng: np.random.Generator) -> list[float]:
     ranges = {s.name: (s, False) for s in block.inputs} | {s.name: (s.signal, s.integer) for s in block.states}
     constants = {c.name: c.value for c in block.constants}
     operations = {
-        name: lambda *a, of=of: np.asarray(of(*a), float) for name, of in numeric.OPERATIONS.items()
+        name: lambda *a, of=of: np.asarray(of(*a), float) for name, of in lower.OPERATIONS.items()
     } | {"clamp": lambda x, low, high: np.clip(x, low, high), "bit": lambda *_: np.array(0.0)}  # fmt: skip
     known = {}
     for k, node in enumerate(p.nodes):
@@ -80,8 +80,8 @@ def values(p: Program, block: Block, rng: np.random.Generator) -> list[float]:
             value = rng.uniform(max(signal.low, -1e3), min(signal.high, 1e3))
             known[k] = np.array(round(value) if integer else value)
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(numeric, "OPERATIONS", operations)
-        by_node = numeric.evaluate(p, range(len(p.nodes)), known)
+        patched.setattr(lower, "OPERATIONS", operations)
+        by_node = lower.evaluate(p, range(len(p.nodes)), known)
     return [float(by_node[k]) for k in range(len(p.nodes))]
 
 

@@ -9,19 +9,19 @@ from designs.maglev import fault_handling, platen
 from designs.maglev_5dof.design import DESIGN, PLANT
 from synth.blocks.faults import redundancy
 from synth.declare import actuation
-from synth.emit.c import failure_table
+from synth.emit.c import header
 from synth.errors import SignalError
-from synth.failure import with_reactions
+from synth.fault import with_reactions
 from synth.stage import Interface
 from tests.emit.c.test_manifest import stage
 
 
 def test_a_row_names_the_bits_and_the_samples_of_the_guard() -> None:
-    said = "\n".join(failure_table.rows(stage()))
+    said = "\n".join(header.failure_rows(stage()))
     assert "bit 0; in that sample" in said
     assert "3 samples in a row, of any of them: latches" in " ".join(f.reaction for f in stage().failures)
-    assert failure_table.rows(replace(stage(), failures=())) == []
-    assert max(map(len, failure_table.rows(stage()))) <= 117
+    assert header.failure_rows(replace(stage(), failures=())) == []
+    assert max(map(len, header.failure_rows(stage()))) <= 117
 
 
 def test_numbers_are_those_of_the_decision() -> None:

@@ -15,10 +15,10 @@ from synth.block import Block, Constant, State, Step, build
 from synth.emit import pipeline
 from synth.emit.c import expressions, routines
 from synth.emit.c import locals as variables
-from synth.emit.passes import fold, regions, schedule
+from synth.emit.passes import fold, schedule
 from synth.emit.program import layout, lower
 from synth.emit.program.lower import Node, Program
-from synth.emit.proof import kinds as carriers
+from synth.emit.proof import ranges as carriers
 from synth.emit.write import emit
 from synth.execute import compile as compiler
 from synth.execute import host
@@ -162,7 +162,7 @@ def test_misra_casts_of_flags_and_compound_arms(monkeypatch: pytest.MonkeyPatch)
     code = emit(block, F32).files["composed.c"]
     assert "static inline uint32_t composed_flag(bool holds)" in code and "state->bad = composed_flag(" in code
     assert not re.search(arm, code)
-    monkeypatch.setattr(regions, "_COMPOSED", frozenset())
+    monkeypatch.setattr(schedule, "_COMPOSED", frozenset())
     assert not re.search(arm, emit(block, F32).files["composed.c"])
     monkeypatch.setattr(expressions.Text, "is_bare", False)
     assert re.search(arm, emit(block, F32).files["composed.c"])

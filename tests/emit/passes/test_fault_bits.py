@@ -6,7 +6,7 @@ from itertools import product
 import pytest
 
 from synth.block import ComputedSignal
-from synth.emit.passes import fault_bits
+from synth.emit.passes import fault_flags
 from synth.emit.program.lower import Node, Program
 from synth.signals import Signal
 from tests.emit.passes.trees import tree
@@ -61,12 +61,12 @@ def word_tree(p: Program) -> str:
 )
 def test_the_word_is_the_same(flags: tuple[Node, ...]) -> None:
     before = program(flags)
-    after = fault_bits.gather(before)
+    after = fault_flags.gather(before)
     assert all(word(before, v) == word(after, v) for v in product((0.0, 1.0), repeat=4))
 
 
 def test_a_run_of_flags_becomes_one_choice() -> None:
-    after = fault_bits.gather(program(ALIKE))
+    after = fault_flags.gather(program(ALIKE))
     top = after.nodes[after.word or 0]
     assert top.op == "choose" and after.nodes[top.args[0]].name == "c" and after.nodes[top.args[1]] == Node("literal")
     assert word_tree(after).startswith("choose(c, 0, choose(f, bit(choose(e, bit(choose(d, bit(0), 0))")
@@ -78,7 +78,7 @@ def test_the_signal_of_a_flag_that_nothing_else_reads_is_what_sets_it() -> None:
     before = program(ALIKE)
     flags = {named.signal.name: len(LEAVES) + i for i, named in enumerate(SIGNALS)}
     before = replace(before, marks=tuple(zip(SIGNALS, flags.values(), strict=True)), outputs={"y": flags["s1"]})
-    after = fault_bits.gather(before)
+    after = fault_flags.gather(before)
     named = {mark.signal.name: tree(after, k) for mark, k in after.marks}
     assert named == {"s0": "d", "s1": "choose(c, 0, e)", "s2": "f"}  # s1 is an output
 
@@ -87,18 +87,18 @@ def test_the_signal_of_a_flag_that_nothing_else_reads_is_what_sets_it() -> None:
     "p",
     [
         program((*ALIKE[:2], choice(FIRST + 2, 2))),  # 0 on different sides
-        program(ALIKE[: fault_bits.LEAST - 1]),
+        program(ALIKE[: fault_flags.LEAST - 1]),
         program(ALIKE, word_read=1),
         program((Node("not", (FIRST,)), Node("not", (FIRST + 1,)))),
     ],
 )
 def test_what_is_no_run_stays(p: Program) -> None:
-    assert word_tree(fault_bits.gather(p)) == word_tree(p)
+    assert word_tree(fault_flags.gather(p)) == word_tree(p)
 
 
 def test_what_decides_another_choice_keeps_its_flag() -> None:
     p = program((*ALIKE, Node("choose", (FIRST + 1, ONE, FIRST))))
-    assert word_tree(fault_bits.gather(p)) == word_tree(p)
+    assert word_tree(fault_flags.gather(p)) == word_tree(p)
 
 
 def test_a_state_that_decides_another_choice_is_tested_by_a_condition_of_its_own() -> None:
@@ -106,6 +106,6 @@ def test_a_state_that_decides_another_choice_is_tested_by_a_condition_of_its_own
     nodes = list(p.nodes)
     nodes[FIRST + 1] = Node("state", name="e")
     p = replace(p, nodes=tuple(nodes))
-    after = fault_bits.gather(p)
+    after = fault_flags.gather(p)
     assert "choose(c, 0, choose(f, bit(choose(ne(e, 0), bit(choose(d, bit(0), 0))" in word_tree(after)
     assert all(word(p, v) == word(after, v) for v in product((0.0, 1.0), repeat=4))

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.emit.passes import flags, fold
+from synth.emit.passes import fault_flags, fold
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LOGICAL
 from tests.emit.passes.trees import tree
@@ -49,7 +49,7 @@ def differing(count: int = 400) -> list[int]:
     failures, simpler = [], 0
     for seed in range(count):
         before = fold.folded(random_program(seed))
-        after = flags.simplified(before)
+        after = fault_flags.simplified(before)
         simpler += before.nodes != after.nodes
         rng = np.random.default_rng(seed)
         for _ in range(6):
@@ -83,7 +83,7 @@ DEFECTS: dict[str, Any] = {
 @pytest.mark.parametrize("name", DEFECTS)
 def test_a_planted_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reversed comparison of numbers that may be NaN is one of them."""
-    monkeypatch.setattr(flags.Flags, name, DEFECTS[name])
+    monkeypatch.setattr(fault_flags.Flags, name, DEFECTS[name])
     assert differing()
 
 
@@ -106,7 +106,7 @@ NOT_LESS = Node("le", (B, A))  # node 5
     ],
 )  # fmt: skip
 def test_a_rule_rewrites(nodes: tuple[Node, ...], expected: str) -> None:
-    assert tree(flags.simplified(program(*nodes))) == expected
+    assert tree(fault_flags.simplified(program(*nodes))) == expected
 
 
 @pytest.mark.parametrize(
@@ -122,6 +122,6 @@ def test_a_rule_rewrites(nodes: tuple[Node, ...], expected: str) -> None:
 )
 def test_what_stays(nodes: tuple[Node, ...]) -> None:
     assert (
-        flags.simplified(program(*nodes)).nodes
+        fault_flags.simplified(program(*nodes)).nodes
         == program(*nodes).with_nodes(program(*nodes).nodes, range(len(program(*nodes).nodes))).nodes
     )

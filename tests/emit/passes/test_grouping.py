@@ -11,8 +11,7 @@ import pytest
 from synth.block import Block, State, Step, build
 from synth.composition import compose
 from synth.emit.passes import fold, grouping, schedule
-from synth.emit.passes.owners import Owners
-from synth.emit.passes.statements import Branch, Let, Statement, Store, reads
+from synth.emit.passes.outline import Branch, Let, Owners, Statement, Store, reads
 from synth.emit.program import lower
 from synth.emit.program.lower import Program
 from tests.emit.dyadic import TIME, signal

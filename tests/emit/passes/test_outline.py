@@ -10,7 +10,7 @@ import pytest
 from synth.block import Block, Constant, State, Step, build
 from synth.composition import compose
 from synth.emit import pipeline
-from synth.emit.c import calls, routine
+from synth.emit.c import routine, sections
 from synth.emit.passes import outline
 from synth.emit.passes.outline import Form, Part
 from synth.emit.write import emit
@@ -184,7 +184,7 @@ def test_a_block_that_needs_what_depends_on_it_is_cut_in_two() -> None:
     phases = [part.phase for group in groups(block) for part, _ in group if part.block.startswith("regulator")]
     assert phases == ["output", "output", "update", "update"]
     p = pipeline.reduce(block.rounded(F32), F32).program
-    made = calls.outlined(p, {c.name: c.value for c in block.constants}, groups(block))
+    made = sections.outlined(p, {c.name: c.value for c in block.constants}, groups(block))
     order = [n.name for n in made.nodes if n.op == "call"]
     assert order.index("regulator_x_output") < order.index("regulator_x_update")
     # The planted defect: a whole Block that needs itself is refused by its own search.

@@ -18,9 +18,8 @@ from synth.block import Block, State, Step, build
 from synth.composition import compose
 from synth.emit import pipeline
 from synth.emit.passes import fold, schedule
-from synth.emit.passes.owners import Owners
-from synth.emit.passes.regions import Regions
-from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
+from synth.emit.passes.outline import Assign, Branch, Let, Owners, Statement, Store
+from synth.emit.passes.schedule import Regions
 from synth.emit.pipeline import Reduced
 from synth.emit.program import lower
 from synth.emit.program.lower import Program

@@ -15,7 +15,7 @@ from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.block import Block, Constant, Fault, State, Step, build, clip
 from synth.blocks.guard import safety
-from synth.emit.passes import limits
+from synth.emit.passes import guards
 from synth.emit.program import lower
 from synth.emit.program.lower import Node, Program
 from synth.emit.proof import ranges
@@ -64,7 +64,7 @@ def test_no_value_leaves_its_range(
     program, box = drawing
     box = {n: Range(float(scalar(r.low)), float(scalar(r.high)), r.nan) for n, r in box.items()}
     node_ranges, rng = ranges.analyse(program, box, scalar), np.random.default_rng(seed)
-    same = limits.find_redundant(program, node_ranges)
+    same = guards.find_redundant(program, node_ranges)
     for loads in states(program, box, rng, 8):
         for choices in (None, rng):
             values = compute(program, loads, scalar, choices)
@@ -210,7 +210,7 @@ def clamped_state(low: float, high: float, gain: float = 1.0) -> tuple[Block, Pr
     )
     program, node_ranges = analyse(block)
     ranges.require_inductive(program, node_ranges, block, F32)
-    return block, program, limits.find_redundant(program, node_ranges)
+    return block, program, guards.find_redundant(program, node_ranges)
 
 
 def test_only_a_clamp_that_never_acts_is_redundant() -> None:
@@ -228,7 +228,7 @@ def redundant_of(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "") 
     block = make(lambda u, x, k: Step({"y": law(u)}), inputs)
     block = replace(block, faults=(Fault(0, "y", guarded),)) if guarded else block
     program, node_ranges = analyse(block)
-    return [program.nodes[k].op for k in limits.find_redundant(program, node_ranges)]
+    return [program.nodes[k].op for k in guards.find_redundant(program, node_ranges)]
 
 
 def test_nan_or_a_tie_of_zeros_keeps_a_clamp() -> None:

@@ -5,7 +5,7 @@ import numpy as np
 from synth.block import ComputedSignal, State, Step, build
 from synth.emit.program import lower
 from synth.emit.program.lower import Node, Program
-from synth.emit.proof import wording
+from synth.emit.proof import conditions
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -13,7 +13,7 @@ A, B = Node("input", name="a"), Node("input", name="b")
 
 
 def text(*nodes: Node) -> str:
-    return wording.expression(Program((A, B, *nodes), (), {}, {}), len(nodes) + 1)
+    return conditions.expression(Program((A, B, *nodes), (), {}, {}), len(nodes) + 1)
 
 
 def test_operations_are_spelled_as_in_c() -> None:
@@ -26,7 +26,7 @@ def test_operations_are_spelled_as_in_c() -> None:
 
 def test_a_long_expression_is_abbreviated() -> None:
     nodes = [A] + [Node("mul", (k, k)) for k in range(30)]
-    text = wording.expression(Program(tuple(nodes), (), {}, {}), 30)
+    text = conditions.expression(Program(tuple(nodes), (), {}, {}), 30)
     assert len(text) <= 160 and "(...)" in text and text.startswith("(")
 
 
@@ -42,12 +42,12 @@ def test_nodes_are_described_by_signals_and_units() -> None:
     )
     p = lower.program(block)
     y, kept = p.outputs["y"], p.next["s"]
-    assert wording.signal(p, y) == "'y' (block 'made', F(3))" and wording.signal(p, kept) == "the next states"
-    assert wording.expression(p, y, spelled=False) == "y" and wording.expression(p, y) in ("(a + s)", "(s + a)")
+    assert conditions.signal(p, y) == "'y' (block 'made', F(3))" and conditions.signal(p, kept) == "the next states"
+    assert conditions.expression(p, y, spelled=False) == "y" and conditions.expression(p, y) in ("(a + s)", "(s + a)")
     loads = [k for k, node in enumerate(p.nodes) if node.name]
-    values = wording.values(block, p, [*loads, y], np.array([0.5, 2, 3]), np.array([0.5, 2.5, 3]))
+    values = conditions.values(block, p, [*loads, y], np.array([0.5, 2, 3]), np.array([0.5, 2.5, 3]))
     names = [p.nodes[k].name for k in loads]
     units = {"a": "m", "s": "kg"}
     assert values == f"{names[0]} = 0.5 {units[names[0]]}, {names[1]} = 2 .. 2.5 {units[names[1]]}, y = 3 m"
     plain = Program(p.nodes, ((ComputedSignal(Signal("y", "m", -9, 9), "made", ""), y),), p.outputs, p.next)
-    assert wording.signal(plain, y) == "'y' (block 'made')"
+    assert conditions.signal(plain, y) == "'y' (block 'made')"

@@ -8,7 +8,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.report.equations import glyphs, mathml, proof
+from synth.report.equations import mathml, proof
 from synth.report.equations.symbolic import opaque, symbol
 
 NAMES = ("x", "g1", "k_s_phi")
@@ -53,7 +53,7 @@ def visible(element: ElementTree.Element) -> str:
     """Return the visible signs of an element in Python; invisible groups add no parentheses."""
     parts = [visible(child) for child in element]
     if element.tag == "msub":
-        return next(n for n in NAMES if visible_text(glyphs.markup(n)) == "".join(element.itertext()))
+        return next(n for n in NAMES if visible_text(mathml.markup(n)) == "".join(element.itertext()))
     if element.tag == "mn":
         return element.get("data-value") or (element.text or "").replace("−", "-")
     if element.get("class") == "cases":
@@ -125,14 +125,14 @@ def test_numbers_are_truncated_only_with_an_ellipsis() -> None:
     ],
 )
 def test_names_have_their_subscripts(name: str, markup: str) -> None:
-    assert glyphs.markup(name) == markup
+    assert mathml.markup(name) == markup
 
 
 def test_greek_letters_are_written_as_such() -> None:
-    assert "φ" in glyphs.markup("phi") and "θ" in glyphs.markup("wtheta") and "Γ" in glyphs.markup("Gamma")
-    assert "π" not in glyphs.markup("pid_integral") and "<mi>pid</mi>" in glyphs.markup("pid_integral")
-    assert "π" in glyphs.markup("pi") and "μ" in glyphs.markup("mu1")
-    assert glyphs.markup("sum") == "<mi>sum</mi>" and glyphs.markup("=g1") == "<mi>g1</mi>"
+    assert "φ" in mathml.markup("phi") and "θ" in mathml.markup("wtheta") and "Γ" in mathml.markup("Gamma")
+    assert "π" not in mathml.markup("pid_integral") and "<mi>pid</mi>" in mathml.markup("pid_integral")
+    assert "π" in mathml.markup("pi") and "μ" in mathml.markup("mu1")
+    assert mathml.markup("sum") == "<mi>sum</mi>" and mathml.markup("=g1") == "<mi>g1</mi>"
 
 
 def test_a_long_sum_goes_on_in_further_lines_and_keeps_its_value() -> None:

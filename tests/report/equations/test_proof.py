@@ -12,7 +12,7 @@ from synth.composition import compose
 from synth.errors import ModelError
 from synth.plant import Plant, Symbols
 from synth.plant import build as build_plant
-from synth.report.equations import copies, derive, display, proof
+from synth.report.equations import derive, display, proof
 from synth.report.equations.derive import Group
 from synth.report.equations.symbolic import opaque, symbol
 from synth.signals import Parameter, Signal
@@ -77,7 +77,7 @@ def test_a_plant_is_shown_with_its_names_and_equal_forms_once() -> None:
     proof.plant(plant(), groups, forces)
     names = [e.name for g in groups for e in g.equations]
     assert {"F1", "F2", "pull", "theta", "wtheta"} <= set(names) and names.count("theta") == 1
-    shown = copies.of_groups(groups)[0].equations
+    shown = display.of_groups(groups)[0].equations
     alike = {s.equation.name: [c.name for c, _ in s.copies] for s in shown if s.copies}
     assert alike["F1"] == ["F2"]
 
@@ -86,7 +86,7 @@ def test_a_composition_is_shown_by_blocks_and_equal_forms_once() -> None:
     groups = derive.block(controller())
     proof.block(controller(), groups)
     assert [g.title for g in groups] == ["axis_x", "axis_y", "mix"]
-    (first, second), mix = copies.of_groups(groups)[0].copies[0], copies.of_groups(groups)[1]
+    (first, second), mix = display.of_groups(groups)[0].copies[0], display.of_groups(groups)[1]
     assert first.title == "axis_y" and second == {"e_x": "e_y", "w_x": "w_y"} and mix.group.title == "mix"
     formulas = display.block(controller())
     assert len(formulas) == 2 and formulas[0].title == "axis_x: (3)"

@@ -14,10 +14,9 @@ from synth.blocks.guard import safety
 from synth.declare.experiments import Sine
 from synth.declare.fault_campaign import FaultCampaign, FaultLimit
 from synth.errors import SignalError
-from synth.simulate.faults import campaign, fault_effects, fault_rows, fault_sweeps, fault_table, injections, machines
-from synth.simulate.faults.campaign import FaultRun, HealthyRun
-from synth.simulate.faults.fault_rows import Campaign
-from synth.simulate.faults.fault_sweeps import Sweep
+from synth.simulate.faults import campaign, fault_effects, fault_table, injections
+from synth.simulate.faults.campaign import FaultRun, HealthyRun, Sweep
+from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.faults.injections import Injection
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
@@ -86,7 +85,7 @@ def _contents(run: Trajectory) -> dict[str, Any]:
 def campaign_of(rig: Rig, runs: Runs, control: list[FaultRun], sweeps: Sequence[Sweep] = ()) -> Campaign:
     """Return the result of runs by condition."""
     healthy, every = [h for h, _ in runs], [run for _, faulty in runs for run in faulty]
-    return fault_rows.campaign(rig, 1, healthy, every, control, sweeps)
+    return fault_table.campaign(rig, 1, healthy, every, control, sweeps)
 
 
 def one(rig: Rig, kind: str, target: str, condition: int = 0, duration: str = "permanent") -> FaultRun:
@@ -111,12 +110,12 @@ def test_velocities_and_stops_come_from_the_model(bare: Rig) -> None:
 
 def test_wrong_plants_are_corners_first_and_always_the_same(rig: Rig) -> None:
     nominal, tolerances = rig.plant, np.array([p.tolerance for p in rig.plant.parameters])
-    assert machines.plant_number(nominal, 0) is nominal
+    assert campaign.plant_number(nominal, 0) is nominal
     for i in range(1, 17):
-        wrong = machines.plant_number(nominal, i)
+        wrong = campaign.plant_number(nominal, i)
         change = wrong.values / nominal.values - 1
-        assert np.array_equal(wrong.values, machines.plant_number(nominal, i).values)
-        if i <= machines.CORNERS:
+        assert np.array_equal(wrong.values, campaign.plant_number(nominal, i).values)
+        if i <= campaign.CORNERS:
             assert np.allclose(np.abs(change), tolerances, rtol=0, atol=1e-12)
         else:
             assert (np.abs(change) <= tolerances).all() and (np.abs(change) < 0.99 * tolerances).any()
@@ -125,12 +124,12 @@ def test_wrong_plants_are_corners_first_and_always_the_same(rig: Rig) -> None:
 def test_the_sensors_of_wrong_machines_are_off_within_their_errors(rig: Rig) -> None:
     wide = {"z": replace(rig.stage.interface.sensors[0], offset=2e-6, gain_error=0.01)}
     off = rig.with_interface(sensors=tuple(wide.get(s.name, s) for s in rig.stage.interface.sensors))
-    assert machines.machine_number(off, 0) is off
-    drawn = [machines.machine_number(off, i) for i in range(1, 17)]
-    assert {abs(m.offsets["z"]) for m in drawn[: machines.CORNERS]} == {2e-6}
+    assert campaign.machine_number(off, 0) is off
+    drawn = [campaign.machine_number(off, i) for i in range(1, 17)]
+    assert {abs(m.offsets["z"]) for m in drawn[: campaign.CORNERS]} == {2e-6}
     assert all(0 < abs(m.gain_errors["z"]) <= 0.01 for m in drawn) and len({m.gain_errors["z"] for m in drawn}) > 8
     for i, machine in enumerate(drawn, 1):
-        assert np.array_equal(machine.plant.values, machines.plant_number(rig.plant, i).values)
+        assert np.array_equal(machine.plant.values, campaign.plant_number(rig.plant, i).values)
     healthy, _ = campaign.run_healthy(drawn[0], campaign.motion_and_standstill(off)[0])
     expected = healthy.states["z"][-100:].mean() * (1 + drawn[0].gain_errors["z"]) + drawn[0].offsets["z"]
     assert abs(healthy.measured["z"][-100:].mean() - expected) < 2e-7
@@ -263,13 +262,13 @@ def test_a_healthy_machine_that_hits_its_stop_is_caught(rig: Rig, runs: Runs, co
 
 def test_a_planted_detector_that_never_latches_is_caught(rig: Rig, unlatched: Runs, control: list[FaultRun]) -> None:
     failed = failures(campaign_of(limited(rig), unlatched, control))
-    assert "latch_s: not finite, permanent" in failed and fault_rows.CONTROL in failed
+    assert "latch_s: not finite, permanent" in failed and fault_table.CONTROL in failed
 
 
 def test_a_control_without_harm_cannot_tell(rig: Rig, runs: Runs, control: list[FaultRun]) -> None:
     harmless = [replace(run, impacts=dict.fromkeys(run.impacts, 0.0)) for run in control]
     result = campaign_of(limited(rig), runs, harmless)
-    assert not result.can_tell and failures(result) == [fault_rows.CONTROL]
+    assert not result.can_tell and failures(result) == [fault_table.CONTROL]
     assert "cannot tell" in fault_table.notes(result)[-1]
 
 
@@ -379,7 +378,7 @@ def test_a_planted_fault_that_is_not_injected_is_not_counted(monkeypatch: pytest
 def test_a_sweep_finds_the_gap_of_the_detector(rig: Rig, without_latch: Rig) -> None:
     """Half of the range added to z in motion is not noticed and runs into the stop; the whole range is noticed."""
     offset = Injection("sensor", "z", "offset", "permanent")
-    (swept,) = fault_sweeps.run(rig, without_latch, campaign.motion_and_standstill(rig)[1], silent, [offset])
+    (swept,) = campaign.run_sweeps(rig, without_latch, campaign.motion_and_standstill(rig)[1], silent, [offset])
     assert (swept.noticed, swept.harmful, swept.tolerated_s) == (1.0, 0.5, np.inf)
     result = campaign_of(rig, [], [], [swept])
     expected = ("z offset", "permanent", "in motion", "100 %", "50 %")
@@ -389,10 +388,10 @@ def test_a_sweep_finds_the_gap_of_the_detector(rig: Rig, without_latch: Rig) -> 
 def test_the_tolerated_time_is_the_longest_that_does_no_harm(rig: Rig, without_latch: Rig) -> None:
     at_rest = campaign.motion_and_standstill(rig)[0]
     dead = Injection("actuator", "i1", "dead", "permanent")
-    (swept,) = fault_sweeps.run(rig, without_latch, at_rest, silent, [dead])
+    (swept,) = campaign.run_sweeps(rig, without_latch, at_rest, silent, [dead])
     assert swept.noticed is None and swept.harmful is None and swept.tolerated_s is not None
     longest = round(swept.tolerated_s / rig.period_s)
-    for samples, harms in ((longest, False), (round(fault_sweeps.REFINEMENT * longest) + 1, True)):
+    for samples, harms in ((longest, False), (round(campaign.REFINEMENT * longest) + 1, True)):
         fault = replace(dead, samples=samples)
         assert campaign.run(without_latch, 0, at_rest, silent, [fault])[1][0].harms == harms
 

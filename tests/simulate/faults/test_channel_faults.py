@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from synth.simulate.faults import channel_faults
-from synth.simulate.faults.channel_faults import GroupFailure
+from synth.simulate.faults import failure_experiments
+from synth.simulate.faults.failure_experiments import GroupFailure
 
 N, GROUPS, CHANNELS = 6, 3, 2
-FAULTS = channel_faults.faults(offset=0.5, drift=0.1, end=9.0)
+FAULTS = failure_experiments.faults(offset=0.5, drift=0.1, end=9.0)
 RNG = np.random.default_rng(0)
 Y, KEPT = RNG.standard_normal((N, GROUPS, CHANNELS)), RNG.standard_normal((N, CHANNELS))
 GROUP, CHANNEL = np.arange(N) % GROUPS, np.arange(N) % CHANNELS
@@ -49,4 +49,4 @@ def test_the_values_are_those_of_the_fault(name: str, expected: np.ndarray) -> N
 
 
 def test_only_frozen_ones_keep_the_last_values() -> None:
-    assert [n for n in FAULTS if channel_faults.is_frozen(n)] == ["frozen channel", "frozen group"]
+    assert [n for n in FAULTS if failure_experiments.is_frozen(n)] == ["frozen channel", "frozen group"]

@@ -3,8 +3,8 @@
 import numpy as np
 
 from synth.app import standard_tasks
-from synth.simulate.faults import failure
-from synth.simulate.faults.failure import Failure
+from synth.simulate.faults import failure_experiments
+from synth.simulate.faults.failure_experiments import Failure
 from tests.verify.test_stimuli import STAGE
 
 AT, DURATION = 0.1, 0.4  # s
@@ -15,7 +15,9 @@ def fail(shown: float | None) -> Failure:
     point = rig.stage.interface.set_points[0]
     n = round(DURATION / rig.period_s)
     course = np.full(n, rig.at_rest()[point.name])
-    return failure.fail(rig, rig.stage.interface.sensors[0].name, shown, AT, DURATION, {point.name: course}, {})
+    return failure_experiments.fail(
+        rig, rig.stage.interface.sensors[0].name, shown, AT, DURATION, {point.name: course}, {}
+    )
 
 
 def test_a_nan_sensor_is_identified_and_latches() -> None:

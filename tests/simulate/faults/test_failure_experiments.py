@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from synth.simulate.faults import failure_experiments
-from synth.simulate.faults.failure import Failure
-from synth.simulate.faults.failure_experiments import NAN, Limits, Texts
+from synth.simulate.faults.failure_experiments import NAN, Failure, Limits, Texts
 from tests.simulate.faults import test_failure
 from tests.verify.test_stimuli import STAGE
 

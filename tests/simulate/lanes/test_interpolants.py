@@ -8,10 +8,10 @@ import pytest
 
 from models import maglev_stage
 from synth import plant
-from synth.emit.program import numeric
+from synth.emit.program import lower
 from synth.plant import Plant
 from synth.signals import Parameter, Signal
-from synth.simulate.lanes import interpolants, sines
+from synth.simulate.lanes import interpolants
 from synth.simulate.lanes.interpolants import OUTSIDE, FastPlant
 
 STAGE = maglev_stage.plant()
@@ -36,7 +36,7 @@ def evaluate(fast: FastPlant, values: np.ndarray, z: np.ndarray) -> dict[str, np
         for k, n in enumerate(fast.f.nodes)
         if n.op in ("state", "input", "parameter")
     }
-    results = numeric.evaluate(fast.f, fast.f.outputs.values(), known)
+    results = lower.evaluate(fast.f, fast.f.outputs.values(), known)
     return {name: np.broadcast_to(results[k], z.shape[1:]) for name, k in fast.f.outputs.items()}
 
 
@@ -133,8 +133,8 @@ def test_a_sine_of_many_turns_is_one_of_any_argument() -> None:
 @pytest.mark.parametrize("error", [1e-4, 1e-10])
 def test_the_error_of_a_sine_is_the_one_asked_for(op: str, error: float) -> None:
     r = np.linspace(-np.pi, np.pi, 10001)
-    shorter = sines.coefficients(op, error)[:-1]
-    for c, sufficient in ((sines.coefficients(op, error), True), (shorter, False)):
+    shorter = interpolants.coefficients(op, error)[:-1]
+    for c, sufficient in ((interpolants.coefficients(op, error), True), (shorter, False)):
         value = np.polynomial.polynomial.polyval(r**2, c) * (r if op == "sin" else 1.0)
         assert (np.abs(value - getattr(np, op)(r)).max() <= error) == sufficient
 

@@ -14,10 +14,9 @@ from synth.errors import WiringError
 from synth.plant import Plant
 from synth.simulate import closed_loop, sampling
 from synth.simulate.lanes import lanes
-from synth.simulate.lanes.lane_memory import Recording
+from synth.simulate.lanes.lane_blocks import Recording
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import InputFault, Scenario, Trajectory
-from synth.simulate.sensors import Encoder, Override
+from synth.simulate.scenario import Encoder, InputFault, Override, Scenario, Trajectory
 from tests import levitator
 
 pytestmark = pytest.mark.slow

@@ -23,7 +23,7 @@ from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.report import page
-from synth.verify import baselines, steps
+from synth.verify import meter, steps
 from tests import tools
 from tests.models.posed import volts
 from tests.studies.hall import posed
@@ -75,7 +75,7 @@ def with_loop(emitted: EmittedCode) -> EmittedCode:
 
 @tools.needs_arm_gcc
 def test_a_loop_that_is_planted_shows_as_more() -> None:
-    slower = costs.row(subject()._replace(emitted=baselines.emitted_c(with_loop(three()))), PLAIN)
+    slower = costs.row(subject()._replace(emitted=meter.emitted_source(with_loop(three()))), PLAIN)
     assert 4 * TURNS <= slower.emitted - measure_three().emitted <= 10 * TURNS  # load, compare, branch, add, store
     assert slower.casadi == measure_three().casadi
 

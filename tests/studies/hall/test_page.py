@@ -13,8 +13,8 @@ from studies.hall import costs, layout_accuracy, page
 from studies.hall.costs import Row
 from studies.hall.pages import accuracy, integrity, six, trust
 from synth.check import Check
-from synth.report.captions import Content, Rows
 from synth.report.page import Section, Table, Text
+from synth.report.prose import Content, Rows
 
 pytestmark = pytest.mark.whole
 

@@ -17,7 +17,7 @@ from studies.hall.pages import integrity
 from studies.hall.trust import endurance
 from synth.base import progress
 from synth.check import Check
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory
 
 pytestmark = pytest.mark.whole

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from synth.errors import ModelError
 from synth.statespace import of
 from synth.synthesise.feedback import lqr
-from synth.synthesise.observers import kalman, lqg, noise
+from synth.synthesise.observers import kalman, lqg
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
 from tests.synthesise.observers.models import FORMS, T, held_mass, mass
@@ -86,10 +86,10 @@ def test_a_stationary_covariance_satisfies_its_equation(seed: int) -> None:
     A, root = rng.normal(size=(n, n)), rng.normal(size=(n, n))
     W = (root @ root.T + (root @ root.T).T) / 2
     stable = A - (np.linalg.eigvals(A).real.max() + 0.1) * np.eye(n)
-    X = noise.stationary(stable, W, Continuous())
+    X = kalman.stationary(stable, W, Continuous())
     assert np.abs(stable @ X + X @ stable.T + W).max() < tolerances.of("lyapunov") * np.abs(X).max()
     damped = 0.95 * A / np.abs(np.linalg.eigvals(A)).max()
-    X = noise.stationary(damped, W, Discrete(1.0))
+    X = kalman.stationary(damped, W, Discrete(1.0))
     assert np.abs(damped @ X @ damped.T + W - X).max() < tolerances.of("lyapunov") * np.abs(X).max()
 
 
@@ -97,7 +97,7 @@ def test_a_stationary_covariance_satisfies_its_equation(seed: int) -> None:
 def test_a_covariance_keeps_its_digits_beside_a_fast_mode(ratio: float) -> None:
     """x' = -a x + w has the variance W / 2 a, and E x1 x2 = W12 / (a1 + a2)."""
     W = np.array([[1.0, 0.5], [0.5, 1.0]])
-    X = noise.stationary(np.diag([-1, -ratio]), W, Continuous())
+    X = kalman.stationary(np.diag([-1, -ratio]), W, Continuous())
     exact = W / np.add.outer([1, ratio], [1, ratio])
     np.testing.assert_allclose(X, exact, rtol=tolerances.of("double"))
 
@@ -106,7 +106,7 @@ def test_a_dense_stiff_covariance_is_that_of_its_modes() -> None:
     """Symmetric A = V diag(a) V' of a rotation with exact entries, rates 1 .. 1e6, W = -A - A': X = I."""
     V = np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1, 1, -1, -1], [1, -1, -1, 1]]) / 2
     A = V @ np.diag([-1.0, -128.0, -8192.0, -1048576.0]) @ V.T
-    X = noise.stationary(A, -2 * A, Continuous())
+    X = kalman.stationary(A, -2 * A, Continuous())
     np.testing.assert_allclose(X, np.eye(4), atol=tolerances.of("double"))
 
 
@@ -116,7 +116,7 @@ def test_a_covariance_of_an_undamped_mode_is_refused_whatever_rounding_says(time
         turn = np.array([[0.0, w], [-w, 0.0]])
         A = turn if isinstance(time, Continuous) else scipy.linalg.expm(turn * time.period_s)
         with pytest.raises(ModelError, match="does not decay, and the covariance is unbounded"):
-            noise.stationary(A, np.eye(2), time)
+            kalman.stationary(A, np.eye(2), time)
 
 
 # Names, prints, refusals

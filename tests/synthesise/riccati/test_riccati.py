@@ -14,7 +14,7 @@ from synth.analyse import discretise
 from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
-from synth.synthesise.riccati import exact_riccati, modes, riccati, solvability
+from synth.synthesise.riccati import exact_riccati, riccati, solvability, weights
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
 
@@ -207,10 +207,10 @@ def test_the_least_eigenvalue_does_not_depend_on_units(seed: int) -> None:
 
 
 def test_a_deadbeat_pole_has_no_frequency_and_a_constant_no_damping() -> None:
-    sampled = modes.table(np.array([0.0, 1e-17, -1e-300, 0.5, 1.0, -0.5]), Discrete(5e-4)).rows
+    sampled = weights.table(np.array([0.0, 1e-17, -1e-300, 0.5, 1.0, -0.5]), Discrete(5e-4)).rows
     assert [row[1:] for row in sampled[:3]] == [("deadbeat", "-")] * 3
     assert [row[1:] for row in sampled[3:]] == [("220.64", "1"), ("0", "-"), ("1024.1", "0.21545")]
-    assert [row[1:] for row in modes.table(np.array([0.0, -2.0, 3j]), CONTINUOUS).rows] == [
+    assert [row[1:] for row in weights.table(np.array([0.0, -2.0, 3j]), CONTINUOUS).rows] == [
         ("0", "-"), ("0.31831", "1"), ("0.47746", "0"),
     ]  # fmt: skip
 
@@ -220,8 +220,8 @@ def test_a_delayed_loop_shows_its_deadbeat_poles(samples: int) -> None:
     """Rounding scatters them, three by some 1e-5, which is no frequency of 4 kHz."""
     late = discretise.delay_samples(model([[1.0]], [[1.0]], Discrete(5e-4)), samples)
     solution = riccati.solve(late, np.diag([1.0] + [0.0] * samples), [1.0])
-    shown = [row[1] for row in modes.table(solution.poles, solution.time).rows]
+    shown = [row[1] for row in weights.table(solution.poles, solution.time).rows]
     assert shown.count("deadbeat") == samples
     scattered = 7e-6 * np.exp(2j * np.pi * np.arange(3) / 3)
-    assert [row[1] for row in modes.table(scattered, solution.time).rows] == ["deadbeat"] * 3
-    assert [row[1] for row in modes.table(scattered[:1], solution.time).rows] == ["3778.2"]
+    assert [row[1] for row in weights.table(scattered, solution.time).rows] == ["deadbeat"] * 3
+    assert [row[1] for row in weights.table(scattered[:1], solution.time).rows] == ["3778.2"]

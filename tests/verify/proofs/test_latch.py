@@ -8,7 +8,7 @@ from synth.block import Block
 from synth.blocks.guard import safe_output, safety
 from synth.emit import write
 from synth.execute import host
-from synth.verify.proofs import latch
+from synth.verify.proofs import contract
 
 SLEW, SAFE = "slews at", "ends from its safe value by"
 
@@ -28,11 +28,11 @@ def planted(monkeypatch: pytest.MonkeyPatch, **wrong: dict[str, float]) -> host.
 
 
 def failed(controller: host.Controller) -> set[str]:
-    return {c.name.split(" ", 2)[2] for c in latch.verify(controller) if not c.passed}
+    return {c.name.split(" ", 2)[2] for c in contract.verify(controller) if not c.passed}
 
 
 def test_emitted_c_slews_as_declared(monkeypatch: pytest.MonkeyPatch) -> None:
-    checks = latch.verify(planted(monkeypatch))
+    checks = contract.verify(planted(monkeypatch))
     assert len(checks) == 4 and all(c.passed for c in checks)
     assert all(c.value > 0.9 * c.limit for c in checks if SLEW in c.name), "the outputs were far from their safe values"
 
@@ -49,4 +49,4 @@ def test_a_controller_without_safe_output_has_no_checks() -> None:
     made = write.emit(
         safety.guard(axes.TIME, [safety.GuardedInput(axes.Signal("q", "m", -1, 1), 0.0, True)], 3), np.float64
     )
-    assert latch.verify(host.load(made.files, made.manifest)) == ()
+    assert contract.verify(host.load(made.files, made.manifest)) == ()

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from synth.errors import CompileError
-from synth.verify.proofs import misra
+from synth.verify.proofs import prove
 from tests import tools
 
 Plant = Callable[[str, str], dict[str, str]]
@@ -15,7 +15,7 @@ needs_cppcheck = tools.needs("cppcheck", shows="that the C has no finding, and p
 
 @needs_cppcheck
 def test_clean_c_has_no_finding(files: dict[str, str]) -> None:
-    report = misra.inspect(files)
+    report = prove.inspect(files)
     assert (report.files, report.findings) == (("hover.c", "hover.h"), ())
     assert all(check.passed for check in report.checks())
     assert "no claim of compliance" in report.checks()[0].about
@@ -32,7 +32,7 @@ def test_clean_c_has_no_finding(files: dict[str, str]) -> None:
     ],
 )
 def test_a_planted_violation_is_found(planted: Plant, old: str, new: str, rule: str) -> None:
-    report = misra.inspect(planted(old, new))
+    report = prove.inspect(planted(old, new))
     assert {(f.rule, f.file) for f in report.findings} == {(f"misra-c2012-{rule}", "hover.c")}
     assert not all(check.passed for check in report.checks())
 
@@ -40,14 +40,14 @@ def test_a_planted_violation_is_found(planted: Plant, old: str, new: str, rule: 
 @needs_cppcheck
 def test_a_violation_in_a_header_is_found(files: dict[str, str]) -> None:
     header = files["hover.h"].replace("#endif", "typedef int hover_unused_t;\n#endif")
-    findings = misra.inspect(files | {"hover.h": header}).findings
+    findings = prove.inspect(files | {"hover.h": header}).findings
     assert ("misra-c2012-2.3", "hover.h") in {(f.rule, f.file) for f in findings}
 
 
 @needs_cppcheck
 def test_c_that_cannot_be_read_is_named(planted: Plant) -> None:
     with pytest.raises(CompileError, match=r"cppcheck: reports an error(?s:.*)hover\.c"):
-        misra.inspect(planted("if (latched) {", "if (latched) {{"))
+        prove.inspect(planted("if (latched) {", "if (latched) {{"))
 
 
 def test_an_addon_that_misses_the_known_violation_is_refused(
@@ -58,10 +58,10 @@ def test_an_addon_that_misses_the_known_violation_is_refused(
     blind.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(CompileError, match="did not find the known violation"):
-        misra.inspect(files)
+        prove.inspect(files)
 
 
 def test_a_missing_tool_is_named(files: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
     with pytest.raises(CompileError, match=r"cppcheck: not on the PATH.*apt-get install cppcheck"):
-        misra.inspect(files)
+        prove.inspect(files)

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from synth.verify.proofs import nonfinite
+from synth.verify.proofs import contract
 from tests import tools
 
 Plant = Callable[[str, str], dict[str, str]]
@@ -14,7 +14,7 @@ GUARD = "(0.0125f <= in->g1) && (in->g1 <= 0.0365f)"
 
 
 def test_every_special_input_acts_as_a_bad_input(files: dict[str, str], manifest: dict[str, Any]) -> None:
-    same = nonfinite.compare(files, manifest)
+    same = contract.compare(files, manifest)
     assert (same.inputs, same.compared, same.different) == (("g1", "g2", "r"), 3 * 4, ())
     assert all(check.passed for check in same.checks())
 
@@ -31,7 +31,7 @@ def test_every_special_input_acts_as_a_bad_input(files: dict[str, str], manifest
 def test_differing_inputs_are_named(
     planted: Plant, manifest: dict[str, Any], old: str, new: str, different: tuple[str, ...]
 ) -> None:
-    same = nonfinite.compare(planted(old, new), manifest)
+    same = contract.compare(planted(old, new), manifest)
     assert same.different == different
     assert all(check.passed for check in same.checks()) == (not different)
 
@@ -41,6 +41,6 @@ SCOPES = "load a, !noalias !{0}\ncall @llvm.experimental.noalias.scope.decl(meta
 
 def test_scopes_of_aliasing_differ_in_their_numbers_alone() -> None:
     """Each inlined copy of a function that returns a struct has its own; which accesses share one must be the same."""
-    first, second, other = (nonfinite._numbered(SCOPES.format(*pair)) for pair in ((156, 160), (162, 157), (9, 9)))
+    first, second, other = (contract._numbered(SCOPES.format(*pair)) for pair in ((156, 160), (162, 157), (9, 9)))
     assert first == second != other
-    assert nonfinite._numbered("load a, !tbaa !64") == "load a, !tbaa !64"
+    assert contract._numbered("load a, !tbaa !64") == "load a, !tbaa !64"

@@ -9,7 +9,7 @@ import pytest
 
 from designs.hall_position.glsdc.parameters import Tuning
 from synth.execute import host
-from synth.verify import baselines, meter, steps
+from synth.verify import meter, steps
 from synth.verify.meter import Build
 from tests import ceilings, tools
 from tests.designs.hall_position.tracked import TWO, USUAL, block, by_input, compile_c, emit_c, motion, noisy
@@ -32,7 +32,7 @@ def sequence(tuning: Tuning) -> steps.Steps:
 
 def most(tuning: Tuning, build: Build) -> int:
     files = emit_c(TWO, tuning, np.float32)
-    return int(meter.run(baselines.emitted_c(files), sequence(tuning), build).cost.instructions.max())
+    return int(meter.run(meter.emitted_source(files), sequence(tuning), build).cost.instructions.max())
 
 
 @pytest.mark.parametrize(("subject", "build"), ceilings.builds(FIVE))
@@ -56,8 +56,8 @@ def test_seven_corrections_exceed_it() -> None:
 @tools.needs_arm_gcc
 def test_casadis_own_c_takes_twice_as_many() -> None:
     few, build = steps.thinned(sequence(USUAL), 30), PLAIN
-    baseline = meter.run(baselines.casadi(block(TWO), shimmed=True), few, build).cost.instructions
-    emitted_cost = meter.run(baselines.emitted_c(emit_c(TWO, USUAL, np.float32)), few, build).cost.instructions
+    baseline = meter.run(meter.casadi(block(TWO), shimmed=True), few, build).cost.instructions
+    emitted_cost = meter.run(meter.emitted_source(emit_c(TWO, USUAL, np.float32)), few, build).cost.instructions
     assert baseline.max() > 1.9 * emitted_cost.max()
 
 

@@ -15,7 +15,7 @@ from designs.hall_position import verification_protected as verification
 from designs.hall_position.protected import config, stimuli
 from synth.emit.write import EmittedCode
 from synth.execute import host
-from synth.verify import baselines, meter, steps
+from synth.verify import meter, steps
 from synth.verify.meter import Build
 from tests import tools
 
@@ -45,7 +45,7 @@ def missing_decisions(emitted: EmittedCode) -> tuple[int, list[str]]:
     """Return the number of decisions, and those that the stimuli do not take both ways."""
     sequences = stimuli.sequences(host.load(emitted.files, emitted.manifest))
     every = steps.concatenate("all", [s if "ends" in s.name else steps.thinned(s, THIN) for s in sequences])
-    candidate = baselines.emitted_c(emitted)
+    candidate = meter.emitted_source(emitted)
     coverage = meter.coverage(candidate, meter.run(candidate, every, ONCE), ONCE)
     return coverage.decisions, list(coverage.missing)
 

@@ -14,8 +14,7 @@ from designs.maglev_5dof.paper.closed_loop_runs import SPRING_STIFFNESSES, Audit
 from models import maglev_stage
 from synth.analyse import operating_points
 from synth.report import audit
-from synth.report.audit import Published, Row
-from synth.report.formulas import Formula
+from synth.report.audit import Formula, Published, Row
 
 pytestmark = pytest.mark.whole
 

@@ -12,8 +12,7 @@ from scipy.optimize import brentq
 from designs.planar_6dof import filtering
 from designs.planar_6dof.paper import gains, kalman_filter
 from designs.planar_6dof.paper.records import prominent_line
-from synth.report.audit import Published, Row
-from synth.report.formulas import Formula
+from synth.report.audit import Formula, Published, Row
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, square_root_kalman
 from synth.timing import Discrete

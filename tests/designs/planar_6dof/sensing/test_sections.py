@@ -13,7 +13,7 @@ from synth.emit import write
 from synth.execute import compile as compiler
 from synth.execute import host
 from synth.statespace import Array
-from synth.verify import baselines, meter, steps
+from synth.verify import meter, steps
 from tests import ceilings
 from tests.designs.planar_6dof.measured import (
     AS_MEASURED,
@@ -278,4 +278,4 @@ def test_what_a_step_costs(subject: str, build: meter.Build) -> None:
     pose = {k: v[:, 0] for k, v in motion(300, 1, 0).items()}
     inputs = estimation_inputs(noisy(sensing_maps.voltages(PLANT, pose)))
     stimulus = steps.record(host.load(made.files, made.manifest), "motion", inputs)
-    assert meter.run(baselines.emitted_c(made), stimulus, build).cost.instructions.max() <= ceiling
+    assert meter.run(meter.emitted_source(made), stimulus, build).cost.instructions.max() <= ceiling

@@ -20,8 +20,8 @@ from studies.hall.pages import loops as page_loops
 from synth.analyse.loops.loop import sampled
 from synth.fault import BRAKING_BIT
 from synth.signals import signal_names
-from synth.simulate.experiment import Experiment
-from synth.simulate.sensors import Override
+from synth.simulate.experiments import Experiment
+from synth.simulate.scenario import Override
 from tests import tools
 
 pytestmark = pytest.mark.whole

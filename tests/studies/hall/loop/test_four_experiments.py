@@ -8,7 +8,7 @@ import pytest
 from studies.hall.loop import experiments, four_experiments
 from studies.hall.loop.stage_loop import Loop
 from synth.check import Check
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 
 pytestmark = pytest.mark.whole
 

@@ -19,7 +19,7 @@ from studies.hall.pages import experiments
 from studies.hall.pages import loops as own_loops
 from synth.blocks.laws import error_map, lookup_table
 from synth.report.page import Figure
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory
 
 pytestmark = pytest.mark.whole

@@ -16,9 +16,9 @@ from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
-from synth.report.captions import Content, Rows
 from synth.report.page import Table
-from synth.simulate import ensemble
+from synth.report.prose import Content, Rows
+from synth.simulate import sampling
 
 pytestmark = pytest.mark.whole
 
@@ -67,7 +67,7 @@ def test_the_basin_is_shown_as_it_is() -> None:
 
 def test_what_is_valid_and_wrong_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """With deviations that count as wrong from a tenth on, most valid samples are."""
-    monkeypatch.setattr(ensemble, "WRONG", 0.1)
+    monkeypatch.setattr(sampling, "WRONG", 0.1)
     assert float(rows_of(trust.basins(TWO)["trust.wrong"])[0][2]) > 10
 
 

@@ -12,7 +12,7 @@ from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.check import Check
 from synth.signals import Signal
 from synth.simulate import metrics
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.stage import Actuator, Sensor, SetPoint
