@@ -9,14 +9,14 @@ from synth.app.study_jobs import Plan
 from synth.app.tasks import Task
 from synth.base.jobs import Job, Outcome
 from synth.base.progress import Progress
-from synth.declare.stage import Stage
+from synth.declare.stage import MARGINS, Stage
 from synth.errors import DesignError
 from synth.report.comparison import Side
 from synth.simulate import study
 from synth.simulate.sampling import Sampling
 from synth.verify import standard
 
-MARGINS = (*robustness.REQUIREMENTS, robustness.DISK)
+MARGINS = MARGINS
 
 
 def plan_of(designs: tuple[Stage, Stage], drawn: Sampling, patterns: tuple[str, ...]) -> Plan:

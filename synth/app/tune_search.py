@@ -22,6 +22,7 @@ from synth.base import jobs
 from synth.base.jobs import Job
 from synth.base.progress import Counted, Display, Progress
 from synth.check import Check
+from synth.declare.stage import DISK, MARGINS
 from synth.declare.tuning import Candidate, Certificate, Tuned
 from synth.errors import DesignError
 from synth.execute import host
@@ -179,10 +180,6 @@ def certify(of: Search, proposal: Candidate) -> Certificate:
     if not stage.operating_points:
         return Certificate(goals, tuple(checks), {})
     survey = robustness.survey(standard.over_tolerances(stage))
-    required = {
-        name: least for name, least in {**stage.require, **of.tuning.require}.items() if name != robustness.DISK
-    }
+    required = {name: least for name, least in {**stage.require, **of.tuning.require}.items() if name != DISK}
     checks += robustness.checks(survey.loops, required, survey.unsolved)
-    return Certificate(
-        goals, tuple(checks), standard.least_margins(stage, survey, (*robustness.REQUIREMENTS, robustness.DISK))
-    )
+    return Certificate(goals, tuple(checks), standard.least_margins(stage, survey, MARGINS))

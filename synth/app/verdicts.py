@@ -20,7 +20,7 @@ from math import inf, isfinite, nan
 from synth.analyse.loops import disk, robustness, stability_margins
 from synth.analyse.loops.robustness import Survey
 from synth.check import NO_LIMIT, Check
-from synth.declare.stage import Stage
+from synth.declare.stage import DISK, Stage
 from synth.errors import DesignError
 from synth.report import faults as faults_section
 from synth.report import first_screen
@@ -86,7 +86,7 @@ def margins(stage: Stage, loops: Survey | None) -> list[Check]:
     return [
         Check(standard.LOST, float(len(loops.lost)), 0.0, "1", about),
         *robustness.checks(loops.loops, require, loops.unsolved),
-        _disk_margin(loops, stage.require.get(robustness.DISK, -inf)),
+        _disk_margin(loops, stage.require.get(DISK, -inf)),
     ]
 
 
@@ -95,7 +95,7 @@ def _disk_margin(loops: Survey, least: float) -> Check:
     bounds = {place: disks[AT_ONCE].lower for place, disks in loops.disks.items()} if not loops.lost else {}
     worst = min(bounds, key=lambda place: bounds[place], default="")
     about = f"the least of {len(bounds)}, {worst}, all actuators and sensors at once" if bounds else "a loop is lost"
-    return Check(robustness.DISK.replace("_", " "), bounds.get(worst, 0.0), least, "1", about, at_least=True)
+    return Check(DISK.replace("_", " "), bounds.get(worst, 0.0), least, "1", about, at_least=True)
 
 
 def with_limits(stage: Stage, table: StudyTable) -> StudyTable:

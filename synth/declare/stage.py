@@ -23,6 +23,9 @@ from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
 
+DISK = "disk_margin"  # of all loops at once, the others of one loop at a time
+MARGINS = ("phase_margin", "gain_margin", "gain_reduction", "delay_margin", "modulus_margin", DISK)
+
 
 @dataclass(frozen=True)
 class Sensor:

@@ -9,8 +9,7 @@ import casadi as ca
 import numpy as np
 
 from synth import arguments
-from synth.analyse.loops import robustness
-from synth.declare.stage import Stage
+from synth.declare.stage import MARGINS, Stage
 from synth.errors import DesignError, SignalError
 from synth.plant import velocities
 from synth.signals import signal_names
@@ -54,9 +53,8 @@ def _require_reference(stage: Stage) -> None:
 
 def _require_known_margins(stage: Stage) -> None:
     """Raise SignalError for a margin or a parameter of a tolerance that is not known."""
-    known = (*robustness.REQUIREMENTS, robustness.DISK)
-    if unknown := [name for name in stage.require if name not in known]:
-        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(known)}")
+    if unknown := [name for name in stage.require if name not in MARGINS]:
+        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(MARGINS)}")
     for name in stage.tolerances:
         stage.plant.parameter(name)
 

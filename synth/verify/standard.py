@@ -17,7 +17,7 @@ import numpy as np
 from synth.analyse.loops import robustness
 from synth.block import Block
 from synth.check import Check
-from synth.declare.stage import Stage
+from synth.declare.stage import DISK, Stage
 from synth.execute import host
 from synth.simulate import experiments
 from synth.simulate import rig as rigs
@@ -139,11 +139,11 @@ def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str])
     The disk margin is that of the nominal plant at the operating points, its certified lower bound.
     """
     stable = not survey.unsolved and all(loop.margins.stable for loop in survey.loops)
-    margins = {n: min((loop.margin(n) for loop in survey.loops), default=0.0) for n in names if n != robustness.DISK}
-    if robustness.DISK in names:
+    margins = {n: min((loop.margin(n) for loop in survey.loops), default=0.0) for n in names if n != DISK}
+    if DISK in names:
         nominal = loops(stage)
         disks = [robustness.disk_margins(nominal, point)["both"].lower for point in nominal.points] if stable else [0.0]
-        margins[robustness.DISK] = min(disks)
+        margins[DISK] = min(disks)
     return margins if not survey.unsolved else dict.fromkeys(margins, 0.0)
 
 

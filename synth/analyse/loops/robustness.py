@@ -71,7 +71,6 @@ class _Requirement:
     of: Callable[[Margins], float]
 
 
-DISK = "disk_margin"  # a further one, of all loops at once
 REQUIREMENTS: Mapping[str, _Requirement] = {
     "phase_margin": _Requirement("degrees", 0.0, lambda m: m.phase_margin),
     "gain_margin": _Requirement("1", 1.0, lambda m: m.gain_margin),

@@ -8,6 +8,7 @@ import pytest
 from synth.analyse import operating_points
 from synth.analyse.loops import disk, equilibrium, loop, robustness, stability_margins
 from synth.analyse.loops.robustness import Loops
+from synth.declare.stage import DISK, MARGINS
 from synth.errors import NoEquilibriumError, SignalError
 from tests import levitator
 
@@ -142,3 +143,7 @@ def test_a_loop_does_not_open_at_a_sensor_and_at_its_coordinate() -> None:
     at = robustness.equilibrium_at(coordinates(far={"z": 2.0}), "mid")
     with pytest.raises(SignalError, match="at 'z' and at a coordinate of it at once"):
         equilibrium.open_loop(at, ["far", "z"])
+
+
+def test_the_margins_that_a_stage_may_require_are_those_that_a_loop_has() -> None:
+    assert (*robustness.REQUIREMENTS, DISK) == MARGINS
