@@ -17,7 +17,7 @@ pytestmark = pytest.mark.whole
 
 @pytest.fixture(scope="module")
 def all_runs() -> dict[str, Experiment]:
-    return {e.name: e for e in tasks.experiments(DESIGN, lambda _: None)}
+    return {e.name: e for e in tasks.experiments(DESIGN).result(lambda _: None)}
 
 
 def test_every_check_passes(all_runs: dict[str, Experiment]) -> None:

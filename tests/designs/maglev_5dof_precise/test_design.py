@@ -18,7 +18,7 @@ LEAST_DELAY = 3e-3  # s
 
 @pytest.fixture(scope="module")
 def runs() -> dict[str, Experiment]:
-    return {e.name: e for e in tasks.experiments(DESIGN, lambda _: None)}
+    return {e.name: e for e in tasks.experiments(DESIGN).result(lambda _: None)}
 
 
 @pytest.mark.whole

@@ -104,8 +104,8 @@ def test_the_next_functions_record_what_these_read(rig: Rig, monkeypatch: pytest
     assert reads == [{("states", "z")}] * 2
     assert lockstep.run([peak(rig, 1.2, times=2)], [rig.plant], STEPS, reads) == first
     runs: list[int] = []
-    call = lanes.lane_library.call
-    monkeypatch.setattr(lanes.lane_library, "call", lambda *a: (runs.append(a[1]["wides"]), call(*a))[1])
+    call = lanes.lane_blocks.call
+    monkeypatch.setattr(lanes.lane_blocks, "call", lambda *a: (runs.append(a[1]["wides"]), call(*a))[1])
     reads = [{("states", "x")}] * 2
     assert lockstep.run([peak(rig, 1.2)], [rig.plant], STEPS, reads) == lockstep.run(
         [peak(rig, 1.2)], [rig.plant], STEPS
