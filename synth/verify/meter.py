@@ -9,8 +9,6 @@ Baselines for the cost of a step: the same step from several C code generators, 
     casadi            (x, u) -> (x', y) by CasADi's CodeGenerator with casadi_real=float, after ca.cse, unchanged
     casadi, float     the same C with a float shim: sin becomes sinf, .., every double literal becomes a float literal
 
-Time, stack and memory of each are measured over the same steps (`synth.verify.meter`).
-
 With `casadi_real=float` CasADi declares floats, but its C still calls the double functions of libm and contains double
 literals. The shim changes the C itself and therefore works with every compiler; -fsingle-precision-constant exists only
 in gcc. Literals get the suffix f, and macros after `#include <math.h>` rename the functions. fmin and fmax become

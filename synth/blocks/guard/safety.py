@@ -19,11 +19,8 @@ A measurement in its range may still contradict the others. A Block that detects
 sample on, and ``suspect_<name>`` of each measurement that may be wrong. Their values are passed on unchanged. No sample
 is ``complete`` while `suspected` is set, so a persistent suspicion causes a latch.
 
-Numbers of limits that the C names.
-
-Numbers of a guard that the C names: samples until the latch.
-
-Failures that a guard notices, as rows of the header's table.
+What the C names and what its header tables: the numbers of limits and of the samples until the latch, and the failures
+that a guard notices.
 
 Leaky counter of bad samples: a bad one takes away as much as several good ones give back.
 
