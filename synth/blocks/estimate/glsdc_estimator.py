@@ -19,8 +19,9 @@ of the estimate.
 Sources: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
 3.B, Fig. 9; Crassidis, Junkins, "Optimal Estimation of Dynamic Systems", section 1.4 (GLSDC).
 
-The numbers that the C names, with units, are scale, pivots, limits, thresholds and starts; their letters are those of `glsdc_solution`, `glsdc_integrity` and `glsdc_search`. A number that a signal's range or a
-constant of geometry has already, such as pi, has no name here.
+The numbers that the C names, with units, are scale, pivots, limits, thresholds and starts; their letters are those of
+`glsdc_solution`, `glsdc_integrity` and `glsdc_search`. A number that a signal's range or a constant of geometry has
+already, such as pi, has no name here.
 """
 
 from collections.abc import Iterator, Sequence
