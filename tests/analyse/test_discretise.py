@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from synth.analyse import discretise
 from synth.analyse.numerics import precise
 from synth.errors import ModelError, SignalError, TimingError
+from synth.reference import gains as reference_gains
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -152,32 +153,34 @@ def off(computed: np.ndarray, exact: np.ndarray, D: np.ndarray) -> float:
     return float(np.abs(computed - exact).max() / np.abs(exact).max())
 
 
-@settings(derandomize=True, max_examples=30, deadline=None)
+@settings(derandomize=True, max_examples=10, deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from([0.0, 3.0, 6.0]), st.floats(1e-4, 0.3))
-def test_gramian_over_a_period_agrees_with_ball_arithmetic(seed: int, spread: float, period_s: float) -> None:
+def test_gramian_over_a_period_agrees_with_sixty_digits(seed: int, spread: float, period_s: float) -> None:
     F, W, D = random_case(seed, spread)
-    propagation, exact = discretise.gramian(F, W, period_s), discretise.gramian(F, W, period_s, exact=True)
+    propagation = discretise.gramian(F, W, period_s)
+    with mpmath.workdps(60):
+        flow, integral = reference_gains.gramian(mpmath.matrix(F.tolist()), mpmath.matrix(W.tolist()), period_s)
+    flow, integral = (np.array(v.tolist(), dtype=np.float64) for v in (flow, integral))
     growth = max(1.0, np.abs(F * D[:, None] / D).sum(axis=1).max() * period_s)
-    assert off(propagation.W, exact.W, D) <= tolerances.of("folded") * growth
-    M, E = propagation.M * D[:, None] / D, exact.M * D[:, None] / D
+    assert off(propagation.W, integral, D) <= tolerances.of("folded") * growth
+    M, E = propagation.M * D[:, None] / D, flow * D[:, None] / D
     assert np.abs(M - E).max() <= tolerances.of("folded") * growth * max(1.0, np.abs(E).max())
     np.testing.assert_array_equal(propagation.W, propagation.W.T)
     values = np.linalg.eigvalsh(propagation.W / D / D[:, None])
     assert values[0] >= -tolerances.of("folded") * values[-1]
 
 
-@pytest.mark.parametrize("exact", [False, True])
-def test_gramian_over_a_period_agrees_with_quadrature(exact: bool) -> None:
+def test_gramian_over_a_period_agrees_with_quadrature() -> None:
     F, W, _ = random_case(3, 0.0)
     nodes, weights = np.polynomial.legendre.leggauss(24)
     flows = [scipy.linalg.expm(F * T / 2 * (v + 1)) for v in nodes]
     integral = T / 2 * sum(w * M.T @ W @ M for w, M in zip(weights, flows, strict=True))
-    propagation = discretise.gramian(F, W, T, exact=exact)
+    propagation = discretise.gramian(F, W, T)
     np.testing.assert_allclose(
         propagation.W, integral, rtol=0, atol=tolerances.of("quadrature") * np.abs(integral).max()
     )
     np.testing.assert_allclose(propagation.M, scipy.linalg.expm(F * T), rtol=0, atol=tolerances.of("double"))
-    transposed = discretise.gramian(F.T, W, T, exact=exact).W  # a different integral unless F is symmetric
+    transposed = discretise.gramian(F.T, W, T).W  # a different integral unless F is symmetric
     assert np.abs(transposed - integral).max() > 1e-3 * np.abs(integral).max()
 
 

@@ -191,7 +191,7 @@ def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     assert slices.digest(surrogates._fit) == before
     monkeypatch.setattr(polynomial, "fit", lambda *a: None)
-    with pytest.raises(ContentError, match=r"in place of synth\.emit\.approx\.minimax\.fit"):
+    with pytest.raises(ContentError, match=r"in place of synth\.emit\.approx\.polynomial\.fit"):
         slices.digest(surrogates._fit)
 
 

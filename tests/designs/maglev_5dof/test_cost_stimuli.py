@@ -95,6 +95,6 @@ def test_the_law_alone_is_measured_without_the_count_of_missed_calls(
     shared = steps.thinned(steps.without_faults(controller, loop), meter.BRIEF_COMMON)
     mine = meter.step_cost(meter.emitted_source(EMITTED), shared, ZIG, controller)
     whole = Cost(control.NAME, meter.CORE, 1e-3, (mine,), (), (), {}, ())
-    first, alone = meter.with_law_alone(whole, law(), inputs).compared
+    first, alone = meter.with_law_alone(whole, law, inputs).compared
     assert first is mine and alone.build == mine.build and alone.steps == mine.steps == meter.BRIEF_COMMON
     assert alone.executed.mean < 0.7 * mine.executed.mean
