@@ -54,18 +54,12 @@ def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Pr
     """
     require_target(target)
     manifests = {folder: code.manifest for folder, code in emitted.items()}
-    needed = [stage.name, *(block.name for block in (stage.drive.blocks if stage.drive else ()))]
-    if missing := [name for name in needed if name not in emitted]:
-        raise DesignError(
-            f"design '{stage.name}': its drive '{missing[0]}' is not among what it emits ({', '.join(emitted)}): "
-            "declare it as a Companion, too"
-        )
-    code = {f"controller/{file}": text for name in needed for file, text in host.code(emitted[name].files).items()}
-    recorded = {name: vectors(emitted[name]) for name in needed}
+    recorded = replayed(stage, emitted)
+    code = {f"controller/{file}": text for name in recorded for file, text in host.code(emitted[name].files).items()}
     rig = rigs.of_stage(stage, host.load(emitted[stage.name].files, emitted[stage.name].manifest))
     facts, model = _facts(stage, manifests, rig)
     if target == "mcu":
-        facts |= mcu.facts(facts, {name: emitted[name] for name in needed}, recorded)
+        facts |= mcu.facts(facts, {name: emitted[name] for name in recorded}, recorded)
         return Project({**code, **{f"qemu/{n}": t for n, t in model.items()}, **mcu.render(facts)})
     binary = {f"vectors/{name}.bin": rows.tobytes() for name, rows in recorded.items()}
     return Project({**code, **binary, **{f"src/{n}": t for n, t in model.items()}, **_render(facts)})
@@ -83,7 +77,21 @@ def _render(facts: Mapping[str, Any]) -> dict[str, str]:
     return {name if name in TOP else f"src/{name}": text for name, text in files.items()}
 
 
-def vectors(code: EmittedCode) -> host.Records:
+def replayed(stage: Stage, emitted: Mapping[str, EmittedCode]) -> dict[str, host.Records]:
+    """Return the vectors of the controller and of each Block of its drive, in the order of a sample.
+
+    Raises DesignError for a Block that is not among the emitted code.
+    """
+    needed = [stage.name, *(block.name for block in (stage.drive.blocks if stage.drive else ()))]
+    if missing := [name for name in needed if name not in emitted]:
+        raise DesignError(
+            f"design '{stage.name}': its drive '{missing[0]}' is not among what it emits ({', '.join(emitted)}): "
+            "declare it as a Companion, too"
+        )
+    return {name: _vectors(emitted[name]) for name in needed}
+
+
+def _vectors(code: EmittedCode) -> host.Records:
     """Return the test vectors of a step, (N,) records of input struct `in`, output struct `out`, `faults`.
 
     Decimal numbers of the document read back as the bits of its scalar type.
