@@ -58,7 +58,9 @@ class Line:
         rest = self._read(size + 4)
         found, needed = zlib.crc32(head[2:] + rest[:-4]), int.from_bytes(rest[-4:], "little")
         if found != needed:
-            raise SynthError(f"{self.path}: found a frame with checksum {found:#010x}, needs {needed:#010x}: {self._mend}")
+            raise SynthError(
+                f"{self.path}: found a frame with checksum {found:#010x}, needs {needed:#010x}: {self._mend}"
+            )
         if answer == b"E":
             reason = REASONS.get(rest[0], f"reason {rest[0]}")
             raise SynthError(f"{self.path}: the board found {reason} in frame {kind!r}: {self._mend}, or {REBUILD}")
@@ -101,14 +103,18 @@ def connect(path: str, baud: int = 115200, timeout_s: float = 2.0) -> Iterator[L
         import termios
         import tty
     except ImportError as error:
-        raise SynthError(f"{path}: this system has no termios, which a serial line needs: use Linux or macOS") from error
+        raise SynthError(
+            f"{path}: this system has no termios, which a serial line needs: use Linux or macOS"
+        ) from error
     rate = getattr(termios, f"B{baud}", None)
     if rate is None:
         raise SynthError(f"{path}: found the rate {baud}, need one of the system's, such as 115200: give --baud")
     try:
         fd = os.open(path, os.O_RDWR | os.O_NOCTTY)
     except OSError as error:
-        raise SynthError(f"{path}: {error.strerror}, need a serial line: give its path, and the right to use it") from error
+        raise SynthError(
+            f"{path}: {error.strerror}, need a serial line: give its path, and the right to use it"
+        ) from error
     try:
         if not os.isatty(fd):
             raise SynthError(f"{path}: found no terminal, need a serial line: give its path, such as /dev/ttyACM0")

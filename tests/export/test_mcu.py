@@ -3,6 +3,7 @@
 import subprocess
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,10 @@ pytestmark = pytest.mark.slow
 
 SAMPLES = 10000
 CORES = ("cortex-m4", "cortex-m7")
-REGULAR = ("levitator_2dof", "maglev_5dof")  # with and without a drive
-WHOLE = ("maglev_5dof_precise", "planar_6dof_leadlag", "planar_6dof_lqg")
+NAMES = (
+    "levitator_2dof", "maglev_5dof", "maglev_5dof_precise", "planar_6dof_leadlag", "planar_6dof_lqg", "hall_position",
+)  # fmt: skip
+REGULAR = (("levitator_2dof", "cortex-m4"), ("levitator_2dof", "cortex-m7"), ("maglev_5dof", "cortex-m7"))
 needs_board = tools.needs(
     tools.ARM_GCC, "qemu-system-arm", shows="that the exported image runs on QEMU's boards, bit for bit as on the host"
 )
@@ -53,8 +56,10 @@ def image(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @needs_board
-@pytest.mark.parametrize("core", CORES)
-@pytest.mark.parametrize("name", [*REGULAR, *(pytest.param(n, marks=pytest.mark.whole) for n in WHOLE)])
+@pytest.mark.parametrize(
+    ("name", "core"),
+    [p if p in REGULAR else pytest.param(*p, marks=pytest.mark.whole) for p in product(NAMES, CORES)],
+)
 def test_the_board_equals_the_simulation(name: str, core: str, tmp_path: Path) -> None:
     folder = export(name, tmp_path)
     printed = make(folder, f"CORE={core}", "WARNINGS=-Wall -Wextra -Wconversion -Wdouble-promotion -Werror", "all")
@@ -89,3 +94,55 @@ def layout(name: str) -> np.dtype[np.void]:
     manifests = {folder: code.manifest for folder, code in harness.emitted(name).items()}
     parts = host.dtype("input", manifests[name]), host.dtype("output", manifests[last])
     return np.dtype([("in", parts[0]), ("out", parts[1]), ("faults", "<u4")])
+
+
+@needs_board
+@pytest.mark.parametrize("where", ["vectors_levitator_2dof", "levitator_2dof_step", "PLANT_PARAMETERS", "loop_sample"])
+def test_a_flipped_bit_in_flash_is_found_at_boot(where: str, image: Path, tmp_path: Path) -> None:
+    """In a vector, in the code of the step, in a constant of the plant, and in the code of the loop."""
+    assert boot(image, "-serial", "null").returncode == 0
+    content = bytearray(image.read_bytes())
+    content[offset(image, symbol(image, where)) + 5] ^= 0x10
+    (tmp_path / "flipped.elf").write_bytes(content)
+    done = boot(tmp_path / "flipped.elf", "-serial", "null")
+    assert done.returncode == 1 and "self-test: failed, the loop does not start" in done.stdout
+    found, needed = done.stdout.splitlines()[0].removeprefix("flash: found ").split(", needs ")
+    assert found != needed
+
+
+@needs_board
+def test_a_wrong_step_is_found_at_boot(tmp_path: Path) -> None:
+    """A step that was changed before the checksum was made: the vectors find it."""
+    folder = export("levitator_2dof", tmp_path)
+    plant_wrong_step(folder)
+    make(folder, "build/cortex-m4/rehearsal.elf")
+    done = boot(folder / "build" / "cortex-m4" / "rehearsal.elf", "-serial", "null")
+    assert done.returncode == 1 and "self-test: the first is sample 700 of levitator_2dof" in done.stdout
+
+
+def plant_wrong_step(folder: Path) -> None:
+    """Let the step of the levitator add a bit to its first output from sample 700 on."""
+    path = folder / "controller" / "levitator_2dof.c"
+    wrong = (
+        "\n#undef levitator_2dof_step\n"
+        "uint32_t levitator_2dof_step(levitator_2dof_state_t *s, const levitator_2dof_input_t *in,"
+        " levitator_2dof_output_t *out)\n"
+        "{\n    static uint32_t k;\n    const uint32_t faults = levitator_2dof_right(s, in, out);\n"
+        "    if (k++ >= 700u) out->i1 += 1e-6f;\n    return faults;\n}\n"
+    )
+    path.write_text("#define levitator_2dof_step levitator_2dof_right\n" + path.read_text() + wrong)
+
+
+def symbol(image: Path, name: str) -> int:
+    """Return the address of a symbol."""
+    done = subprocess.run(["arm-none-eabi-nm", image], capture_output=True, text=True, check=True)
+    return next(int(line.split()[0], 16) for line in done.stdout.splitlines() if line.split()[-1] == name)
+
+
+def offset(image: Path, address: int) -> int:
+    """Return where an address of the flash is in the file."""
+    done = subprocess.run(["arm-none-eabi-objdump", "-h", image], capture_output=True, text=True, check=True)
+    rows = [line.split() for line in done.stdout.splitlines()]
+    size, start, at = next([int(v, 16) for v in (r[2], r[4], r[5])] for r in rows if len(r) > 5 and r[1] == ".text")
+    assert start <= address < start + size
+    return at + address - start
