@@ -10,7 +10,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -106,12 +106,12 @@ def _vectors(code: EmittedCode) -> host.Records:
         "offsets": [0, inputs.itemsize, before],
         "itemsize": -(-(before + 4) // word) * word,  # C fills a struct up to a multiple of its scalar
     }
-    rows: host.Records = np.zeros(n, np.dtype(layout))  # type: ignore[call-overload]
+    rows: Any = np.zeros(n, np.dtype(layout))  # type: ignore[call-overload]
     rows["in"] = host.records(code.manifest, inputs, document["inputs"], n)
     for name, column in document["outputs"].items():
         rows["out"][name] = column
     rows["faults"] = document["faults"]
-    return rows
+    return cast(host.Records, rows)
 
 
 def _facts(

@@ -1,4 +1,4 @@
-"""An exported project for a microcontroller: on QEMU's boards it passes its self-test and computes what the host does."""
+"""An exported project for a microcontroller passes its self-test on QEMU and computes what the host does, bitwise."""
 
 import subprocess
 from dataclasses import replace

@@ -123,9 +123,13 @@ def test_a_wrong_step_and_a_damaged_frame_are_found(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_no_answer_is_refused(answer: bytes, message: str) -> None:
-    with fake(answer) as path, serial_replay.connect(path, timeout_s=0.2 if not answer else 20) as line:
-        with pytest.raises(SynthError, match=message):
-            serial_replay.hello(line)
+    timeout_s = 20 if answer else 0.2
+    with (
+        fake(answer) as path,
+        serial_replay.connect(path, timeout_s=timeout_s) as line,
+        pytest.raises(SynthError, match=message),
+    ):
+        serial_replay.hello(line)
 
 
 def test_what_is_no_line_is_refused(tmp_path: Path) -> None:
