@@ -37,11 +37,11 @@ def facts(
         "content": max(8 + max(structs), HELLO + len(shared["name"])),
         "status": f"0x{sum(1 << f['bit'] for f in shared['faults'] if f['status']):08x}",
         "turn": max(1, round(TURN_S / float(shared["period_s"]))),
-        "set_points": [{**p, "moved": repr(_moved(p))} for p in shared["set_points"]],
+        "set_points": [{**p, "away": repr(_away(p))} for p in shared["set_points"]],
     }
 
 
-def _moved(point: Mapping[str, Any]) -> float:
+def _away(point: Mapping[str, Any]) -> float:
     """Return where the rehearsal moves a set-point to: away from the nearer end of its range."""
     low, high, home, step = (float(point[key]) for key in ("low", "high", "home", "step"))
     return home + SHARE * (step if high - home >= home - low else -step)

@@ -13,7 +13,7 @@ from synth.execute import host
 from synth.export import project
 from synth.simulate import closed_loop, rig
 from tests import tools
-from tests.export import harness
+from tests.export import harness, test_page
 
 pytestmark = pytest.mark.slow
 
@@ -146,3 +146,17 @@ def offset(image: Path, address: int) -> int:
     size, start, at = next([int(v, 16) for v in (r[2], r[4], r[5])] for r in rows if len(r) > 5 and r[1] == ".text")
     assert start <= address < start + size
     return at + address - start
+
+
+PAGE = (harness.ROOT / "docs" / "howto" / "export-mcu.md").read_text(encoding="utf-8")
+
+
+@needs_board
+@pytest.mark.whole
+def test_the_commands_of_the_page_lead_to_a_rehearsed_image(tmp_path: Path) -> None:
+    script, shown = (PAGE.split(f"```{kind}\n")[1].split("```", 1)[0] for kind in ("sh", "text"))
+    environ = test_page.environment(tmp_path)
+    done = subprocess.run(["bash", "-e", "-c", script], cwd=tmp_path, env=environ, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    assert script.startswith("synth new my_stage\n") and "needs 0x" in done.stdout
+    assert [line for line in shown.splitlines()[1:] if line not in done.stdout.splitlines()] == []

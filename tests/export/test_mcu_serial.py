@@ -18,6 +18,7 @@ from synth.app import cli
 from synth.base.progress import silent
 from synth.errors import SignalError, SynthError
 from synth.export import project, serial_replay
+from tests import tools
 from tests.export import harness, test_mcu
 from tests.export.test_mcu import needs_board
 
@@ -168,3 +169,22 @@ def test_the_watchdog_moves_the_outputs_to_the_safe_ones(tmp_path: Path) -> None
     assert all(line.startswith("1 ") for line in lines[1:9]) and values[-1] == 0
     assert 0.49 < np.abs(np.diff(values)).max() <= 0.5 + 1e-6, "10 samples of 0.5 ms at 100 A/s"
     assert lines[9] == "0 latched", "a late sample writes nothing"
+
+
+@tools.needs("gcc", shows="that noise on the line neither stops the handler nor leads it beyond its memory")
+def test_the_handler_survives_noise(tmp_path: Path) -> None:
+    folder = test_mcu.export("levitator_2dof", tmp_path)
+    (folder / "noise.c").write_text((Path(__file__).parent / "noise.c").read_text())
+    files = ["noise.c", *(f"src/{n}.c" for n in ("serial", "selftest", "vectors", "crc", "loop"))]
+    command = [
+        "gcc",
+        "-std=c99",
+        "-O1",
+        "-fsanitize=address,undefined",
+        "-fno-sanitize-recover",
+        "-Isrc",
+        "-Icontroller",
+    ]
+    subprocess.run([*command, *files, "controller/levitator_2dof.c", "-lm", "-o", "noise"], cwd=folder, check=True)
+    done = subprocess.run(["./noise"], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.startswith("0 wrong of "), done.stdout + done.stderr[-2000:]
