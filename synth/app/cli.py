@@ -129,14 +129,23 @@ def verify(
     core: Annotated[
         Core | None, typer.Option("--target", help="replay on cortex-m4f (float32) or cortex-m7 (float64) instead")
     ] = None,
+    serial: Annotated[
+        str | None, typer.Option(help="replay one design's vectors on a board on this line instead: /dev/ttyACM0")
+    ] = None,
+    baud: Annotated[int, typer.Option(help="rate of --serial, bits per second")] = 115200,
     fresh: Fresh = False,
 ) -> None:
     """Compare the emitted C with the reference, CasADi and CasADi's own C, with longer replays than `build`.
 
-    With --target, compare the machine code of a Cortex-M core, in an emulator, with this machine's, bit by bit.
+    With --target, compare the machine code of a Cortex-M core, in an emulator, with this machine's, bit by bit. With
+    --serial, a board that runs serial.c of `synth export --target mcu` computes the test vectors, bit by bit.
     """
     from synth.app import commands
 
+    if serial:
+        if len(names or ()) != 1 or core:
+            raise typer.BadParameter("one design, and no --target, is needed with --serial: give its name")
+        raise typer.Exit(commands.verify_board((names or [""])[0], serial, baud, as_json))
     raise typer.Exit(commands.verify(names or (), as_json, fresh, core))
 
 
@@ -292,7 +301,7 @@ def emit(
 def export(
     name: Name,
     out: Annotated[Path, typer.Option(help="folder to write to")],
-    target: Annotated[str, typer.Option(help="what the project runs on: linux")] = "linux",
+    target: Annotated[str, typer.Option(help="what the project runs on: linux or mcu")] = "linux",
     fresh: Fresh = False,
 ) -> None:
     """Write a project around the emitted step that runs it: loop, set-points, commands, recorder, rehearsal."""

@@ -111,6 +111,24 @@ def _on_host(stage: Stage, report: Progress) -> Verified:
     return Verified(evidence.document(), evidence.checks, {})
 
 
+def verify_board(name: str, port: str, baud: int, as_json: bool) -> int:
+    """Replay the vectors of a design on a board at the end of a serial line, bit for bit.
+
+    Raises SynthError and SignalError as `serial_replay.replay`.
+    """
+    from synth.export import project, serial_replay
+
+    (stage,) = workspace.designs(Path.cwd(), [name])
+    report = partial(writer(as_json), name)
+    vectors = project.replay_vectors(stage, tasks.emission(stage, stage.scalar).result(report))
+    with serial_replay.connect(port, baud) as line:
+        checks, note = serial_replay.replay(line, name, vectors, report)
+    if not as_json:
+        tables.print_checks(name, checks, {}, (note,))
+    document = {"design": name, "serial": port, "checks": _checks(checks), "cycles": note}
+    return finish(as_json, [document], {}, not all(c.passed for c in checks))
+
+
 def _on_target(core: str, stage: Stage, report: Progress) -> Verified:
     """Replay on the host and on a core: the document, the checks, and the drift with contraction as measured values."""
     from synth.execute import cross, host

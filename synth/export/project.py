@@ -2,16 +2,16 @@
 
 controller/   the emitted steps, unchanged        src/       the loop, the same for every stage, and its tables
 vectors/      inputs, outputs, fault words        io_user.c, channels.toml    the user's: written once
+
+For a microcontroller the vectors are C below src/, qemu/ has a board to rehearse on, and board_user.c is the user's.
 """
 
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-import jinja2
 import numpy as np
 
 from synth.base import store
@@ -19,12 +19,12 @@ from synth.declare.stage import SetPoint, Stage
 from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import host
-from synth.export import limits, plant_files, wiring
+from synth.export import limits, mcu, plant_files, templates, wiring
 from synth.simulate import rig as rigs
 
-TARGETS = ("linux",)
+TARGETS = ("linux", "mcu")
 TOP = ("Makefile", "CMakeLists.txt", "README.md", "io_user.c", "channels.toml")
-USERS = ("io_user.c", "channels.toml")  # an export never overwrites them
+USERS = ("io_user.c", "channels.toml", "board_user.c")  # an export never overwrites them
 FULL_SCALE = 10.0  # V: of the channels in a new channels.toml, over the range of a signal
 
 
@@ -54,19 +54,15 @@ def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Pr
     """
     require_target(target)
     manifests = {folder: code.manifest for folder, code in emitted.items()}
-    needed = [stage.name, *(block.name for block in (stage.drive.blocks if stage.drive else ()))]
-    if missing := [name for name in needed if name not in emitted]:
-        raise DesignError(
-            f"design '{stage.name}': its drive '{missing[0]}' is not among what it emits ({', '.join(emitted)}): "
-            "declare it as a Companion, too"
-        )
-    code, recorded = dict[str, str](), dict[str, bytes]()
-    for name in needed:
-        code |= {f"controller/{file}": text for file, text in host.code(emitted[name].files).items()}
-        recorded[f"vectors/{name}.bin"] = _vectors(emitted[name])
+    recorded = replay_vectors(stage, emitted)
+    code = {f"controller/{file}": text for name in recorded for file, text in host.code(emitted[name].files).items()}
     rig = rigs.of_stage(stage, host.load(emitted[stage.name].files, emitted[stage.name].manifest))
     facts, model = _facts(stage, manifests, rig)
-    return Project({**code, **recorded, **{f"src/{n}": t for n, t in model.items()}, **_render(facts)})
+    if target == "mcu":
+        facts |= mcu.facts(facts, {name: emitted[name] for name in recorded}, recorded)
+        return Project({**code, **{f"qemu/{n}": t for n, t in model.items()}, **mcu.render(facts)})
+    binary = {f"vectors/{name}.bin": rows.tobytes() for name, rows in recorded.items()}
+    return Project({**code, **binary, **{f"src/{n}": t for n, t in model.items()}, **_render(facts)})
 
 
 def require_target(target: str) -> None:
@@ -77,23 +73,26 @@ def require_target(target: str) -> None:
 
 def _render(facts: Mapping[str, Any]) -> dict[str, str]:
     """Return the project's own files: templates filled in, and those that are the same for every stage."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("synth.export", "linux"),
-        undefined=jinja2.StrictUndefined,
-        keep_trailing_newline=True,
-    )
-    files = {}
-    for file in resources.files("synth.export").joinpath("linux").iterdir():
-        name = file.name.removesuffix(".j2")
-        text = (
-            environment.get_template(file.name).render(facts) if file.name.endswith(".j2") else file.read_text("utf-8")
+    files = templates.render("linux", facts)
+    return {name if name in TOP else f"src/{name}": text for name, text in files.items()}
+
+
+def replay_vectors(stage: Stage, emitted: Mapping[str, EmittedCode]) -> dict[str, host.Records]:
+    """Return the vectors of the controller and of each Block of its drive, in the order of a sample.
+
+    Raises DesignError for a Block that is not among the emitted code.
+    """
+    needed = [stage.name, *(block.name for block in (stage.drive.blocks if stage.drive else ()))]
+    if missing := [name for name in needed if name not in emitted]:
+        raise DesignError(
+            f"design '{stage.name}': its drive '{missing[0]}' is not among what it emits ({', '.join(emitted)}): "
+            "declare it as a Companion, too"
         )
-        files[name if name in TOP else f"src/{name}"] = text
-    return files
+    return {name: _vectors(emitted[name]) for name in needed}
 
 
-def _vectors(code: EmittedCode) -> bytes:
-    """Return the test vectors of a step, sample by sample: input struct, output struct, fault word.
+def _vectors(code: EmittedCode) -> host.Records:
+    """Return the test vectors of a step, (N,) records of input struct `in`, output struct `out`, `faults`.
 
     Decimal numbers of the document read back as the bits of its scalar type.
     """
@@ -112,7 +111,7 @@ def _vectors(code: EmittedCode) -> bytes:
     for name, column in document["outputs"].items():
         rows["out"][name] = column
     rows["faults"] = document["faults"]
-    return rows.tobytes()
+    return cast(host.Records, rows)
 
 
 def _facts(
