@@ -57,8 +57,14 @@ def build(folder: Path, cc: str = "", flags: str = "-O2", link: str = "") -> str
     """Build a project; return what make prints."""
     if sys.platform != "linux":
         pytest.skip("the project is for Linux: would show that its loop runs")
-    command = ["make", "-C", str(folder), f"CC={cc or compiler()}", f"CFLAGS={flags}", f"LDFLAGS={link}"]
-    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "ZIG_GLOBAL_CACHE_DIR": zig()})
+    return make(folder, f"CC={cc or compiler()}", f"CFLAGS={flags}", f"LDFLAGS={link}")
+
+
+def make(folder: Path, *words: str) -> str:
+    """Run make in a project, as a user does: nothing of a make that runs the tests; return what it prints."""
+    outside = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
+    environment = {**outside, "ZIG_GLOBAL_CACHE_DIR": zig()}
+    done = subprocess.run(["make", *words], cwd=folder, capture_output=True, text=True, env=environment, timeout=1800)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
     return done.stdout + done.stderr
 

@@ -33,13 +33,6 @@ def export(name: str, folder: Path) -> Path:
     return folder
 
 
-def make(folder: Path, *words: str) -> str:
-    """Run make in a project; return what it prints."""
-    done = subprocess.run(["make", "-s", *words], cwd=folder, capture_output=True, text=True, timeout=1800)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
-    return done.stdout + done.stderr
-
-
 def boot(image: Path, *serial: str) -> subprocess.CompletedProcess[str]:
     """Run an image on the board of a Cortex-M4F to its end."""
     command = "qemu-system-arm -M mps2-an386 -nographic -monitor none -semihosting-config enable=on,target=native"
@@ -51,7 +44,7 @@ def boot(image: Path, *serial: str) -> subprocess.CompletedProcess[str]:
 def image(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An image of the rehearsal of a few samples."""
     folder = export("levitator_2dof", tmp_path_factory.mktemp("mcu"))
-    make(folder, "CFLAGS=-O2 -DSAMPLES=20u", "build/cortex-m4/rehearsal.elf")
+    harness.make(folder, "-s", "CFLAGS=-O2 -DSAMPLES=20u", "build/cortex-m4/rehearsal.elf")
     return folder / "build" / "cortex-m4" / "rehearsal.elf"
 
 
@@ -62,8 +55,10 @@ def image(tmp_path_factory: pytest.TempPathFactory) -> Path:
 )
 def test_the_board_equals_the_simulation(name: str, core: str, tmp_path: Path) -> None:
     folder = export(name, tmp_path)
-    printed = make(folder, f"CORE={core}", "WARNINGS=-Wall -Wextra -Wconversion -Wdouble-promotion -Werror", "all")
-    printed += make(folder, f"CORE={core}", "rehearsal")
+    printed = harness.make(
+        folder, "-s", f"CORE={core}", "WARNINGS=-Wall -Wextra -Wconversion -Wdouble-promotion -Werror", "all"
+    )
+    printed += harness.make(folder, "-s", f"CORE={core}", "rehearsal")
     assert "warning" not in printed and " 0 missed" in printed
     assert "self-test: 0 of " in printed and f"{SAMPLES} samples" in printed
     board = np.fromfile(folder / "rehearsal.bin", layout(name))
@@ -115,7 +110,7 @@ def test_a_wrong_step_is_found_at_boot(tmp_path: Path) -> None:
     """A step that was changed before the checksum was made: the vectors find it."""
     folder = export("levitator_2dof", tmp_path)
     plant_wrong_step(folder)
-    make(folder, "build/cortex-m4/rehearsal.elf")
+    harness.make(folder, "-s", "build/cortex-m4/rehearsal.elf")
     done = boot(folder / "build" / "cortex-m4" / "rehearsal.elf", "-serial", "null")
     assert done.returncode == 1 and "self-test: the first is sample 700 of levitator_2dof" in done.stdout
 

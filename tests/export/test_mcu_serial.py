@@ -30,7 +30,7 @@ NAMES = ("levitator_2dof", pytest.param("maglev_5dof", marks=pytest.mark.whole))
 @contextmanager
 def board(folder: Path) -> Iterator[str]:
     """Run the board of a project; yield the path of its serial line."""
-    test_mcu.make(folder, "build/cortex-m4/serial_board.elf")
+    harness.make(folder, "-s", "build/cortex-m4/serial_board.elf")
     command = "qemu-system-arm -M mps2-an386 -nographic -monitor none -serial null -serial pty -kernel"
     words = [*command.split(), str(folder / "build/cortex-m4/serial_board.elf")]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
