@@ -80,7 +80,7 @@ def describe(error: BaseException) -> str:
 def table(checks: Sequence[Check]) -> show.Table:
     """Return checks with their limits as a table."""
     rows = ((c.name, show.number(c.value), limit_text(c), c.unit, c.verdict) for c in checks)
-    return show.Table(("check", "found", "limit", "unit", ""), tuple(rows))
+    return show.Table("", ("check", "found", "limit", "unit", ""), tuple(rows))
 
 
 def limit_text(check: Check) -> str:

@@ -14,8 +14,11 @@ from typing import Any, Protocol, TypeVar, dataclass_transform
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synth.errors import DesignError
+
 COLUMNS, ROWS = 16, 32  # of a table, and lines of sentences: the middle of a longer one is left out
 DOTS = "..."
+Cell = str | float
 POSITIVE_FEEDBACK = "u = +K x: the sign is inside K. MATLAB and python-control use u = -K x: give them -K."
 NEGATIVE_FEEDBACK = "u = -L x: the sign of MATLAB and python-control. This package's gains are K = -L."
 _NUMBER = re.compile(r"[+-]?(\d|nan|inf)[\d.e+-]*([+-](\d|nan|inf)[\d.e+-]*i)?")
@@ -24,17 +27,26 @@ _LATEX = {"\\": r"\backslash ", " ": r"\ ", "~": r"\sim ", "^": r"\wedge "}
 
 @dataclass(frozen=True)
 class Table:
-    """Named columns over rows of texts; each row is as long as `columns`.
+    """Rows of texts and numbers under their columns; numbers are shown to `digits` significant digits.
 
     A matrix has the names of its rows in the first column. `note` is a sentence and `equation` a formula in LaTeX that
-    belong to the table.
+    belong to the table. Raises DesignError when the number of cells in a row differs from the number of columns.
     """
 
+    caption: str
     columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    digits: int = 4
     is_matrix: bool = False
     note: str = ""
     equation: str = ""
+
+    def __post_init__(self) -> None:
+        for row in self.rows:
+            if len(row) != len(self.columns):
+                raise DesignError(
+                    f"table '{self.caption}': the row {row} has {len(row)} cells for {len(self.columns)} columns"
+                )
 
 
 @dataclass(frozen=True)
@@ -97,7 +109,7 @@ def matrix(corner: str, values: ArrayLike, rows: Sequence[str], columns: Sequenc
         (DOTS,) * (len(j) + 1) if row is None else (rows[row], *(DOTS if k is None else number(A[row, k]) for k in j))
         for row in i
     )
-    return Table((corner, *(DOTS if k is None else columns[k] for k in j)), body, is_matrix=True)
+    return Table("", (corner, *(DOTS if k is None else columns[k] for k in j)), body, is_matrix=True)
 
 
 def feedback(table: Table, sign: int = 1) -> Table:
@@ -120,12 +132,12 @@ def signals(groups: Mapping[str, Sequence[Any]]) -> Table:
     rows = (
         (group, s.name, s.unit, number(s.low), number(s.high), s.about) for group, each in groups.items() for s in each
     )
-    return Table(("", "name", "unit", "low", "high", "about"), tuple(rows))
+    return Table("", ("", "name", "unit", "low", "high", "about"), tuple(rows))
 
 
 def text(sheet: Sheet) -> str:
     """Return a sheet as text with aligned columns; a large table shows its first and last rows and columns."""
-    lines = (line for table in sheet.tables for line in (*filter(None, [table.note]), *_align(_abbreviated(table))))
+    lines = (line for table in sheet.tables for line in (*_sentences(table), *_align(_abbreviated(table))))
     return "\n".join([sheet.title, *_elided(sheet.lines, DOTS, ROWS), *lines])
 
 
@@ -133,9 +145,10 @@ def html(sheet: Sheet) -> str:
     """Return a sheet as HTML; a large table shows its first and last rows and columns."""
     lines = (f"<p>{escape(line)}</p>" for line in _elided(sheet.lines, DOTS, ROWS))
     parts = [f"<p><strong>{escape(sheet.title)}</strong></p>", *lines]
-    for table in map(_abbreviated, sheet.tables):
-        rows = [_row("th", table.columns), *(_row("td", row) for row in table.rows)]
-        parts += [f"<p>{escape(table.note)}</p>"] if table.note else []
+    for table in sheet.tables:
+        columns, *body = _abbreviated(table)
+        rows = [_row("th", columns), *(_row("td", row) for row in body)]
+        parts += [f"<p>{escape(line)}</p>" for line in _sentences(table)]
         parts.append(f"<table>{''.join(rows)}</table>")
     return "\n".join(parts)
 
@@ -143,7 +156,7 @@ def html(sheet: Sheet) -> str:
 def latex(sheet: Sheet) -> str | None:
     """Return the equations and matrices of a sheet as LaTeX for MathJax, None where it has none."""
     parts = []
-    for table in map(_abbreviated, sheet.tables):
+    for table in sheet.tables:
         parts += [table.equation] if table.equation else []
         parts += [_latex_matrix(table)] if table.is_matrix else []
     inside = r" \\[1ex] ".join(parts)
@@ -152,9 +165,10 @@ def latex(sheet: Sheet) -> str | None:
 
 def _latex_matrix(table: Table) -> str:
     """Return a matrix with its names above a line and left of one."""
-    head = " & ".join(map(_latex_cell, table.columns))
-    body = r" \\ ".join(" & ".join(map(_latex_cell, row)) for row in table.rows)
-    layout = f"l|{'r' * (len(table.columns) - 1)}"
+    lines = _abbreviated(table)
+    head, *rows = (" & ".join(map(_latex_cell, line)) for line in lines)
+    body = r" \\ ".join(rows)
+    layout = f"l|{'r' * (len(lines[0]) - 1)}"
     return rf"\begin{{array}}{{{layout}}} {head} \\ \hline {body} \end{{array}}"
 
 
@@ -194,20 +208,24 @@ def _elided(items: Sequence[T], dots: T, most: int) -> tuple[T, ...]:
     return (*items[: most // 2], dots, *items[-(most // 2) :])
 
 
-def _abbreviated(table: Table) -> Table:
-    """Return a table without the middle of its many rows and columns; the column of names stays."""
+def _sentences(table: Table) -> list[str]:
+    return [line for line in (table.caption, table.note) if line]
 
-    def cells(line: tuple[str, ...]) -> tuple[str, ...]:
-        return (*line[:1], *_elided(line[1:], DOTS, COLUMNS))
+
+def _abbreviated(table: Table) -> list[tuple[str, ...]]:
+    """Return columns and rows of texts without the middle of many rows and columns; the column of names stays."""
+
+    def cells(line: Sequence[Cell]) -> tuple[str, ...]:
+        texts = [cell if isinstance(cell, str) else number(cell, table.digits) for cell in line]
+        return (*texts[:1], *_elided(texts[1:], DOTS, COLUMNS))
 
     columns = cells(table.columns)
-    rows = _elided([cells(row) for row in table.rows], (DOTS,) * len(columns), ROWS)
-    return replace(table, columns=columns, rows=rows)
+    return [columns, *_elided([cells(row) for row in table.rows], (DOTS,) * len(columns), ROWS)]
 
 
-def _align(table: Table) -> list[str]:
+def _align(lines: Sequence[tuple[str, ...]]) -> list[str]:
     """Return the lines of a table: numbers to the right, names and sentences to the left."""
-    columns = [_column(k, cells) for k, cells in enumerate(zip(table.columns, *table.rows, strict=True))]
+    columns = [_column(k, cells) for k, cells in enumerate(zip(*lines, strict=True))]
     return ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
 
 

@@ -34,7 +34,7 @@ class Pair:
     b: complex
 
     def sheet(self) -> show.Sheet:
-        table = show.Table(("name", "value"), (("a", show.number(self.a)), ("long b", show.number(self.b))))
+        table = show.Table("", ("name", "value"), (("a", show.number(self.a)), ("long b", show.number(self.b))))
         return show.Sheet("a < b & c", ("one line",), (table,))
 
 
@@ -57,9 +57,15 @@ def test_numbers_keep_five_digits(value: complex, shown: str) -> None:
 
 def test_a_matrix_names_its_rows_and_columns() -> None:
     table = show.matrix("K", np.eye(2), ("u1", "u2"), ("x", "v"))
-    assert table == show.Table(("K", "x", "v"), (("u1", "1", "0"), ("u2", "0", "1")), is_matrix=True)
+    assert table == show.Table("", ("K", "x", "v"), (("u1", "1", "0"), ("u2", "0", "1")), is_matrix=True)
     with pytest.raises(ValueError, match="1 names of rows"):
         show.matrix("K", np.eye(2), ("u1",), ("x", "v"))
+
+
+def test_a_table_shows_its_caption_and_its_digits() -> None:
+    table = show.Table("Gains", ("name", "value"), (("k", 0.123456),), digits=3)
+    assert show.text(show.Sheet("title", (), (table,))).splitlines() == ["title", "Gains", "name  value", "k     0.123"]
+    assert "<p>Gains</p>" in show.html(show.Sheet("title", (), (table,)))
 
 
 def latex(*tables: show.Table) -> str:
@@ -69,7 +75,7 @@ def latex(*tables: show.Table) -> str:
 
 
 def test_only_matrices_and_equations_are_shown_in_latex() -> None:
-    plain = show.Table(("name", "value"), (("a", "1"),))
+    plain = show.Table("", ("name", "value"), (("a", "1"),))
     assert show.latex(show.Sheet("title", ("line",), (plain,))) is None
     assert Pair(0.5, 2)._repr_latex_() is None  # type: ignore[attr-defined]
     text = latex(plain, show.matrix("K", [[0.5, -1e-12]], ("u_1 [N]",), ("x", "100 % v")))

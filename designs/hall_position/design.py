@@ -9,7 +9,6 @@ from typing import Any
 from designs.hall_position import config
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.protected import config as protected
-from models import papers
 from synth import stage
 from synth.stage import Companion
 
@@ -57,13 +56,12 @@ def contents(studies: str, of: stage.Stage, results: Any) -> Any:
 
 
 RESULTS = Path(__file__).parents[2] / "studies" / "hall" / "results.json"
-EQUATIONS = f"(n) is equation (n) of {papers.KAWATO}."
 CONTROLLER = config.controller()
 DESIGN = stage.design(
     CONTROLLER,
     CONTROLLER.interface.plant,
     warning=config.UNPROTECTED,
-    header_notes=[config.preconditions(), EQUATIONS],
+    header_notes=config.header_notes(),
     reference=reference,
     surrogate_error=estimator.SURROGATE_ERROR,
     gains=config.gains,
@@ -73,7 +71,7 @@ DESIGN = stage.design(
             partial(protected.block, name=name),
             inputs=partial(protected.vectors, name=name),
             gains=partial(protected.gains, name=name),
-            header_notes=[protected.preconditions(name)],
+            header_notes=protected.header_notes(name),
             sequences=protected_sequences,
         )
         for name in protected.PLACES

@@ -7,6 +7,7 @@ from typing import Any
 
 from designs.hall_position.pages import estimator, field
 from models.hall_stage import Stage
+from synth import show
 from synth.report import page, prose, standard
 from synth.report.template import Extra, Results
 
@@ -36,7 +37,7 @@ def studies(results: Mapping[str, Any]) -> page.Section:
         "hall_position_protected.md and hall_position_loop.md."
     )
     rows = tuple((f["study"], f["figure"], f["value"], limit(f), f["unit"]) for f in results["figures"])
-    table = page.Table("Figures of the studies", ("study", "figure", "value", "limit", "unit"), rows)
+    table = show.Table("Figures of the studies", ("study", "figure", "value", "limit", "unit"), rows)
     return page.Section(STUDIES, (page.Text(about), page.Folded(f"{len(rows)} figures", (table,))))
 
 

@@ -54,12 +54,6 @@ from synth.signals import Signal, signal_names
 
 ADVANCE = INTERFACE.delay + 0.5  # samples from the measurement to the middle of the time in which its current acts
 DESCENT = 80  # samples: the safe output reaches the lower stop from 18.1 mm in 71 samples
-FADING = (
-    f"A position is lost in the {BAD_SAMPLES}th sample in a row in which it is refused, and before its first good one; "
-    "the next good one ends that. While both positions are lost, the motors that carry keep their angles for "
-    f"{DESCENT} samples, in which the safe output of the controller lowers the platen to its stop, and then all "
-    f"currents fade to 0 A in {FADE} samples; once a position is known again they fade in as slowly."
-)
 ROUNDING = 1e-4  # of PEAK: what rounding and polynomials may add to a phase, see `_phase_bound`
 PEAK = sqrt(2) * hypot(CURRENT, CURRENT) * (1 + ROUNDING)  # A, both inputs at their limits
 SAMPLED = "of the sample of the currents"

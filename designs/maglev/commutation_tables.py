@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from designs.maglev import platen
+from synth import show
 from synth.blocks.estimate import phasor
 from synth.declare.companion import Companion
 from synth.declare.stage import Stage
@@ -33,17 +34,17 @@ def values(
     return {"commutation_errors": errors(by_name), "commutation_cost": cost, "sine_error": bound}
 
 
-def errors(runs: Mapping[str, Experiment]) -> page.Table:
+def errors(runs: Mapping[str, Experiment]) -> show.Table:
     """Return the mean errors of the 4-DOF tracking through both blocks, for each angle of the commutation."""
     columns = [name for name in runs["tracking"].figures if name.startswith("mean |e_")]
-    rows: list[tuple[page.Cell, ...]] = [
+    rows: list[tuple[show.Cell, ...]] = [
         (angle, *(runs[name].figures[c] for c in columns)) for name, angle in ANGLES.items()
     ]
     caption = "4-DOF tracking through controller and commutation, one sample late"
-    return page.Table(caption, ("angle of the commutation", *columns), tuple(rows))
+    return show.Table(caption, ("angle of the commutation", *columns), tuple(rows))
 
 
-def instructions(companion: Companion, emitted: EmittedCode, tracking: Experiment) -> page.Table:
+def instructions(companion: Companion, emitted: EmittedCode, tracking: Experiment) -> show.Table:
     """Return the instructions of a step of the commutation by build, and how many values differ from the host."""
     run, controller = tracking.trajectory, host.load(emitted.files, emitted.manifest)
     recorded = {n: v[SAMPLES].copy() for n, v in companion.select_inputs(run.measured, run.commands).items()}
@@ -51,9 +52,9 @@ def instructions(companion: Companion, emitted: EmittedCode, tracking: Experimen
     x, z = (recorded[s.name] for s in platen.COMMUTATED.values())
     x[LOST] = x[BOTH] = z[BOTH] = np.nan
     lost = steps.record(controller, "positions lost", recorded)
-    rows: list[tuple[page.Cell, ...]] = [
+    rows: list[tuple[show.Cell, ...]] = [
         (row.build, float(row.counts[0].mean()), *(int(n.max()) for n in row.counts), row.values, row.differing)
         for row in meter.instructions(emitted, (healthy, lost))
     ]
     columns = ("build", "mean", "most", "most, a position lost", "values", "with other bits")
-    return page.Table("Instructions of a step of the commutation on a Cortex-M4F", columns, tuple(rows), digits=6)
+    return show.Table("Instructions of a step of the commutation on a Cortex-M4F", columns, tuple(rows), digits=6)

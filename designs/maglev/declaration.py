@@ -22,16 +22,7 @@ from synth.stage import Companion, Drive
 # nor what is shown for comparison.
 STUDIED = ("y_*", "[xz]_30", "theta_5", "theta_10", "phi_springs_1", "tracking", "lift_off", "set_down_*")
 
-EQUATIONS = f"F(n) and (n) are equation (n) of {papers.FULFORD}."
-START = (
-    "The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its "
-    f"stop at {platen.GAP[1] * 1e3:g} mm."
-)
-SET_POINTS = (
-    f"A set-point nearer to a stop than {platen.STOP_MARGIN * 1e6:g} um at a motor is out of range. On the stop the "
-    "error of an encoder's zero would not vanish, and the internal model would push the platen into the stop until the "
-    "currents are at their limit."
-)
+HERE = Path(__file__).parent
 
 
 def design(
@@ -45,7 +36,13 @@ def design(
     phases = Companion(
         f"{name}_phase",
         partial(commutation.phase_currents, name, plant),
-        header_notes=[commutation.FADING, EQUATIONS],
+        header_notes=stage.read_header(
+            HERE / "header_phase.md",
+            bad_samples=platen.BAD_SAMPLES,
+            descent=commutation.DESCENT,
+            fade=commutation.FADE,
+            paper=papers.FULFORD,
+        ),
         reference=reference_phase.step,
         label="commutation",
         floor=platen.CURRENT_FLOOR,
@@ -59,7 +56,17 @@ def design(
         "velocities": maglev_stage.RATE,
         "wires": platen.WIRES,
         "faults": fault_campaign.FAULTS,
-        "header_notes": [reactions.AXES, START, SET_POINTS, fault_handling.UNTESTED, EQUATIONS],
+        "header_notes": stage.read_header(
+            HERE / "header.md",
+            motors=reactions.MOTORS,
+            stop=platen.GAP[1] * 1e3,
+            stop_margin=platen.STOP_MARGIN * 1e6,
+            travel=fault_handling.TRAVEL * 1e3,
+            frozen=fault_handling.WIDE_FROZEN * 1e3,
+            jump=fault_handling.WIDE_JUMP * 1e3,
+            quiet=fault_handling.PROBE.quiet,
+            paper=papers.FULFORD,
+        ),
         "reactions": reactions.REACTIONS,
         "limited": [*(f"observer_{n}_g" for n in "xz"), *limited],  # g is the learnt gain of the thrust
         "safe_output": stage.read_safe_output(folder / "safe_output.json"),

@@ -77,13 +77,6 @@ SENSOR_LOSS_EFFECT = (
     f"platen lands, latches on the stop and rests there without current, while its gap is above {LIFTED * 1e3:g} mm; "
     "without three gap encoders, or without x and z, it latches in flight, with the safe output; "
 )
-UNTESTED = (
-    f"A frozen or jumping reading of x or z is noticed only inside +-{TRAVEL * 1e3:g} mm: farther out, where a stop "
-    "may hold the platen, these tests are off. After missed calls, and while the platen accelerates otherwise than "
-    "predicted, until the prediction agrees with ten changes of the code, they notice only a distance between both "
-    f"growing by more than {WIDE_FROZEN * 1e3:g} mm (frozen) or {WIDE_JUMP * 1e3:g} mm (a jump). A platen that rests "
-    f"is pushed there and back by the probe after each {PROBE.quiet} samples without a change of the code of x or z."
-)
 DEGRADED = Fault(
     len(INTERFACE.inputs) + len(SENSORS),
     "degraded",

@@ -31,4 +31,3 @@ REACTIONS = {
     "set_point": "all axes go on to it",
 }
 MOTORS = "; ".join(f"u_{n} is i_q of motors {' and '.join(map(str, OF_AXIS[n]))}, along {n.upper()}" for n in "xz")
-AXES = f"y counts positive downwards, away from the motors. {MOTORS}."

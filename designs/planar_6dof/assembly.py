@@ -15,37 +15,7 @@ from synth.declare.experiments import Run
 from synth.declare.fault_campaign import StudyLimits
 from synth.timing import Discrete
 
-START = (
-    "At init the platen is within half a pitch, 25.4 mm, of the middle in x and y, and its yaw is below 0.025 rad: the "
-    "Hall voltages repeat with each pitch, and the pitches are counted from there. After a latch move the platen there "
-    "before init."
-)
-CONTRADICTION = (
-    "Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the "
-    f"first within {sensing.MEMORY} samples. Up to then no bit is set, the two samples are not used, and predictions "
-    "take their place. From then on the bits of the suspects are set, and all Hall voltages stay refused until init, "
-    "even if they agree again, so the latch follows."
-)
-CALIBRATED = (
-    "Calibrate the sensitivity of each Hall channel to 0.2 % and its offset to 2 mV: what a single channel is off by "
-    "turns the platen, by up to 6 mrad at the worst place of a pitch. With 0.5 % and 5 mV it turns by up to 15 mrad "
-    "there, and beyond 20 mrad while it starts. With 1 % and 5 mV in all channels a simulated stage hit its yaw stop "
-    "in 17 of 48 runs under the LQG law and in 6 of 48 under the lead-lag law. None of this sets a fault bit for "
-    "certain. What all channels share may be off by 10 %."
-)
-BEGINS = (
-    "Before the first sample in which all Hall voltages are good no current is demanded, since x, y and the yaw are "
-    "not known. Six suspects at once can also mean a dead or reversed phase, a steady force above 1.8 N, or missed "
-    "calls."
-)
 KNOWN_AFTER = innovation_monitor.longest(len(planar_stage.HALL), sensing.REPEATS)
-REPEATED = (
-    f"A Hall voltage with the same value {sensing.REPEATS} times in a row is frozen. One is watched at a time, so it "
-    f"becomes a suspect after {KNOWN_AFTER} samples, and one more for each value that a sound one repeats by chance. "
-    "The first that is frozen is named; the others are not examined. All Hall voltages then stay refused until init. "
-    "Sound converters need noise: with 3 codes rms one is taken for frozen once in 90 years, with 2 twice a year. "
-    "Simulated without noise, a platen at rest latches."
-)
 PREDICTED = "none of the six voltages: x, y and yaw are predicted (dead reckoning)"
 USED_INSTEAD = {"refused_not_held": PREDICTED, "suspected": PREDICTED}
 REACTIONS = {"suspected": "all Hall voltages stay refused until init, so the latch follows"}
@@ -107,7 +77,13 @@ def design(
         runs=runs,
         reactions=REACTIONS,
         used_instead=USED_INSTEAD,
-        header_notes=[f"(n) is equation (n) of {papers.YU}.", START, BEGINS, CALIBRATED, CONTRADICTION, REPEATED],
+        header_notes=stage.read_header(
+            Path(__file__).with_name("header.md"),
+            paper=papers.YU,
+            memory=sensing.MEMORY,
+            repeats=sensing.REPEATS,
+            known_after=KNOWN_AFTER,
+        ),
         safe_output=stage.read_safe_output(Path(__file__).parents[1] / name / "safe_output.json"),
         # The last pitch of the travel, and the largest yaw: a voltage that has failed may show a larger one.
         limited=(*interface.PITCHES, "sensing_phi_raw"),

@@ -35,6 +35,7 @@ from designs.planar_6dof.page import REST
 from designs.planar_6dof.sensing.sections import READY
 from designs.planar_6dof.vertical import MARGIN, POSITIONS
 from models import planar_stage
+from synth import show
 from synth.analyse import discretise
 from synth.analyse.loops import interconnect
 from synth.block import Block, Constant, Exprs, State
@@ -189,10 +190,10 @@ def cost_table(experiments: Sequence[Experiment]) -> tuple[page.Block, ...]:
     rows = [row for measured in rest[:1] for row in _rows(measured)]
     columns = ("step", "order", "states", "operations", "build", "instructions, mean", "instructions, most")
     caption = f"The full order beside the reduced one: {STEPS} steps at rest, Cortex-M4F"
-    return (page.Table(caption, columns, tuple(rows)),) if rows else ()
+    return (show.Table(caption, columns, tuple(rows)),) if rows else ()
 
 
-def _rows(measured: Columns) -> Iterator[tuple[page.Cell, ...]]:
+def _rows(measured: Columns) -> Iterator[tuple[show.Cell, ...]]:
     window = slice(SKIPPED, SKIPPED + STEPS)
     at_rest = {name: np.asarray(v)[window] for name, v in measured.items()}
     small_errors = {axis: ERROR * np.sin(np.arange(STEPS) + i) for i, axis in enumerate(HORIZONTAL)}
@@ -204,7 +205,7 @@ def _rows(measured: Columns) -> Iterator[tuple[page.Cell, ...]]:
         )
 
 
-def _count_instructions(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:
+def _count_instructions(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[show.Cell, ...]]:
     from synth.verify import meter, steps
 
     emitted = write.emit(of, np.float32, error=interface.SURROGATE_ERROR[np.float32])

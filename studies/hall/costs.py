@@ -22,6 +22,7 @@ from models.hall_stage import Stage
 from models.hall_two_waves import SpatialArray
 from studies.hall.pages import six
 from studies.hall.protected import spatial
+from synth import show
 from synth.base.progress import Progress
 from synth.block import Block, unranged
 from synth.emit import write
@@ -143,4 +144,4 @@ def section(rows: Sequence[Row]) -> page.Section:
         return page.Section(TITLE, (page.Text(ABSENT),))
     cells = tuple((*r, f"{r.casadi / r.emitted:.2f}") for r in rows)
     caption = "Most instructions a sample, emulated Cortex-M4F; instructions are not cycles"
-    return page.Section(TITLE, (page.Table(caption, COLUMNS, cells, digits=6),))
+    return page.Section(TITLE, (show.Table(caption, COLUMNS, cells, digits=6),))

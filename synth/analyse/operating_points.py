@@ -65,7 +65,7 @@ class OperatingPoint:
         lines = [f"outside its range: {', '.join(self.outside)}"] if self.outside else []
         lines += [f"{len(self.ties)} other equilibria at the same distance"] if self.ties else []
         title = f"Operating point, residual {show.number(self.residual, 2)}"
-        return show.Sheet(title, tuple(lines), (show.Table(("", "name", "value"), tuple(rows)),))
+        return show.Sheet(title, tuple(lines), (show.Table("", ("", "name", "value"), tuple(rows)),))
 
     def __getitem__(self, name: str) -> float:
         """Return the value of a state or input."""

@@ -72,7 +72,7 @@ class TimeResponse:
         span = f"{len(self.time)} times up to {show.number(self.time[-1])} s"
         line = f"rise from 10 to 90 %, settled within {BAND:.0%} of the final value" if self.final is not None else span
         lines = (line, self.note) if self.note else (line,)
-        return show.Sheet(f"Response to a unit {self.signal}, {span}", lines, (show.Table(columns, rows),))
+        return show.Sheet(f"Response to a unit {self.signal}, {span}", lines, (show.Table("", columns, rows),))
 
     def _signals(self) -> tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]:
         return (self.output_names, self.output_units), (self.input_names, self.input_units)

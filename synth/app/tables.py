@@ -7,10 +7,11 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from synth import show
 from synth.check import Check, limit_text
 from synth.declare.tuning import Tuned, Tuning
 from synth.report import comparison as comparisons
-from synth.report import first_screen, page
+from synth.report import first_screen
 from synth.report import tuning as tunings
 from synth.report.audit import Row
 from synth.report.comparison import Side
@@ -125,17 +126,16 @@ def print_comparison(sides: tuple[Side, Side]) -> None:
     console.print("\n".join(comparisons.notes(sides)), highlight=False, markup=False)
 
 
-def _print_tables(console: Console, title: str, of: Sequence[page.Table]) -> None:
+def _print_tables(console: Console, title: str, of: Sequence[show.Table]) -> None:
     for t in of:
-        rows = ([cell if isinstance(cell, str) else f"{cell:.4g}" for cell in row] for row in t.rows)
+        rows = ([cell if isinstance(cell, str) else f"{cell:.{t.digits}g}" for cell in row] for row in t.rows)
         _print(console, f"{title}: {t.caption}", t.columns, rows)
 
 
 def print_cost(cost: costs.Cost) -> None:
     """Print every table of a cost, and what was not measured."""
     console = Console(width=None if sys.stdout.isatty() else 160)
-    for t in costs.tables(cost):
-        _print(console, f"{cost.design}: {t.caption}", t.columns, t.rows)
+    _print_tables(console, cost.design, costs.tables(cost))
     console.print("\n".join([costs.NOTE, *cost.absent]), highlight=False)
 
 

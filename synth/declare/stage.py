@@ -9,6 +9,8 @@ Data alone; `synth.stage` completes them from the plant's signals and composes t
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
+from string import Formatter
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,7 +20,7 @@ from synth.block import Block
 from synth.declare.companion import Companion, Drive, Gains, Reference
 from synth.declare.fault_campaign import FaultCampaign, SafeOutput, StudyLimits
 from synth.declare.tuning import Tuning
-from synth.errors import SignalError
+from synth.errors import DesignError, SignalError
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -250,7 +252,7 @@ class Stage:
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign; `study` limits of a study of tolerances
     safe_output       what the machine does after the latch as measured, which header and manifest state
-    header_notes      sentences of the C's header; `reactions` of the machine, by the key of a row of failures in it
+    header_notes      sentences of the C's header (`read_header`); `reactions` of the machine, by a row's key in it
     used_instead      what the law uses for a refused input, by the same keys, where the guard cannot know it
     tuning            free parameters of the law and their goals, for `synth tune`
     warning           the first line of header, manifest and report; `most_instructions` of a step on a Cortex-M4F
@@ -313,3 +315,17 @@ class Stage:
     def interface(self) -> Interface:
         """The interface of the controller."""
         return self.controller.interface
+
+
+def read_header(path: Path, **values: Any) -> list[str]:
+    """Return the paragraphs of a header.md as sentences of the C's header, {name} replaced by the value of a name.
+
+    Raises DesignError for a placeholder without a value, and for a value that has no place.
+    """
+    template = path.read_text(encoding="utf-8")
+    places = {name for _, name, _, _ in Formatter().parse(template) if name is not None}
+    if places != set(values):
+        raise DesignError(
+            f"{path.name}: found values of {sorted(values)}, need those of its placeholders, {sorted(places)}"
+        )
+    return [" ".join(paragraph.split()) for paragraph in template.format(**values).split("\n\n")]

@@ -3,9 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from synth import show
 from synth.analyse.loops import robustness
 from synth.report import page
-from synth.report.page import Section, Table, Text
+from synth.report.page import Section, Text
+from synth.show import Table
 from synth.simulate import study
 from synth.simulate.study import StudyTable, Summary
 from synth.verify.cost import Cost
@@ -54,13 +56,13 @@ def _with_unit(margin: str) -> str:
     return margin.replace("_", " ") + ("" if unit == "1" else f", {unit}")
 
 
-def _experiments(*studies: StudyTable) -> tuple[tuple[page.Cell, ...], ...]:
+def _experiments(*studies: StudyTable) -> tuple[tuple[show.Cell, ...], ...]:
     """Return a row for each value of an experiment that one of the designs has, as most have both."""
     first, second = ({s.name: s for s in study.summarise(table)} for table in studies)
     return tuple(_row(name, first.get(name), second.get(name)) for name in dict.fromkeys([*first, *second]))
 
 
-def _row(name: str, *summaries: Summary | None) -> tuple[page.Cell, ...]:
+def _row(name: str, *summaries: Summary | None) -> tuple[show.Cell, ...]:
     unit = next(s.unit for s in summaries if s)
     values = [(s.nominal, s.percentile_95, s.worst) if s else ("",) * len(STATISTICS) for s in summaries]
     return (name, unit, *(value for pair in zip(*values, strict=True) for value in pair))

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from synth.report.notation import number
-from synth.report.page import Cell, Table
+from synth.show import Cell, Table
 
 DIGITS = 6
 _COMPLEX = re.compile(r"[-+.0-9ei]*[0-9]i?")

@@ -18,8 +18,8 @@ from markupsafe import Markup
 from synth.check import Check
 from synth.errors import DesignError
 from synth.report import first_screen, notation
+from synth.show import Table
 
-Cell = str | float
 MANY = 12  # checks of a table, of which the passed ones of a longer one are collapsed
 _LOADS = {"src", "srcset", "href", "xlink:href", "data", "poster", "action", "formaction", "background"}
 _STYLE_LOADS = re.compile(r"url\(\s*['\"]?([^'\")]*)|@import\s+['\"]?([^'\";]*)")
@@ -64,26 +64,6 @@ class Formulas:
     title: str
     rows: tuple[Formula, ...]
     equal_forms: tuple[tuple[str, Markup], ...] = ()
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows of texts and numbers under their columns; numbers are shown to `digits` significant digits.
-
-    Raises DesignError when the number of cells in a row differs from the number of columns.
-    """
-
-    caption: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-    digits: int = 4
-
-    def __post_init__(self) -> None:
-        for row in self.rows:
-            if len(row) != len(self.columns):
-                raise DesignError(
-                    f"table '{self.caption}': the row {row} has {len(row)} cells for {len(self.columns)} columns"
-                )
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from synth import show
 from synth.fault import LATCH_BIT
 from synth.report import figures, page
 from synth.report.audit import Row
@@ -77,7 +78,7 @@ def in_fine_units(run: Experiment, shown: Shown) -> tuple[Experiment, Shown]:
     return scaled, replace(shown, units=units, levels=levels)
 
 
-def by_channel(measured: Mapping[str, float], channels: Sequence[str]) -> tuple[page.Table, ...]:
+def by_channel(measured: Mapping[str, float], channels: Sequence[str]) -> tuple[show.Table, ...]:
     """Return measured values as a table with one row per channel, nothing if any value has no channel."""
     measured = {name: value for name, value in measured.items() if not name.startswith(HEADROOM)}
     channel_of = {name: next((c for c in channels if c in name), "") for name in measured}
@@ -86,8 +87,8 @@ def by_channel(measured: Mapping[str, float], channels: Sequence[str]) -> tuple[
     quantity_of = {name: readable(name.replace(f", {c}", "").replace(c, "it")) for name, c in channel_of.items()}
     columns, rows = tuple(dict.fromkeys(quantity_of.values())), dict.fromkeys(channel_of.values())
     values = {(channel_of[name], quantity_of[name]): value for name, value in measured.items()}
-    cells: list[tuple[page.Cell, ...]] = [(c, *(values.get((c, n), math.nan) for n in columns)) for c in rows]
-    return (page.Table("Measured by channel, no limit", ("channel", *columns), tuple(cells)),)
+    cells: list[tuple[show.Cell, ...]] = [(c, *(values.get((c, n), math.nan) for n in columns)) for c in rows]
+    return (show.Table("Measured by channel, no limit", ("channel", *columns), tuple(cells)),)
 
 
 def with_units(measured: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:

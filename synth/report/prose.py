@@ -24,6 +24,7 @@ from markdown_it import MarkdownIt
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from synth import show
 from synth.errors import DesignError
 from synth.report import figures, page
 from synth.report.equations import mathml
@@ -165,7 +166,7 @@ def _plain(match: re.Match[str], values: Mapping[str, Value]) -> str:
     return text if isinstance(value, str) else text.replace("-", "−")
 
 
-Rows = Sequence[Sequence[page.Cell]]
+Rows = Sequence[Sequence[show.Cell]]
 Content = Value | Figure | Rows
 
 
@@ -186,4 +187,4 @@ def _block(name: str, each: Content, described: Mapping[str, Any], values: Mappi
     caption = fill_placeholders(words["caption"], values)
     if isinstance(each, Figure):
         return page.Figure(figures.svg(each, name.replace(".", "-")), caption, words.get("published", ""))
-    return page.Table(caption, tuple(words["columns"]), tuple(map(tuple, each)), words.get("digits", 4))
+    return show.Table(caption, tuple(words["columns"]), tuple(map(tuple, each)), words.get("digits", 4))

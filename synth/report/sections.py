@@ -12,7 +12,8 @@ from synth.report import bode, figures, first_screen
 from synth.report.audit import Row
 from synth.report.equations.mathml import symbol
 from synth.report.notation import number, readable
-from synth.report.page import Cell, Checks, Figure, Section, Table, Text
+from synth.report.page import Checks, Figure, Section, Text
+from synth.show import Cell, Table
 from synth.simulate.experiments import Experiment
 from synth.verify.agree import Agreement
 from synth.verify.cost import NOTE, Cost, tables
@@ -140,8 +141,7 @@ def cost(measured: Cost | None) -> Section:
     if measured is None:
         why = "Not measured: the step computes in double, for which a Cortex-M4F has no hardware."
         return Section(first_screen.COST, (Text(why),))
-    rendered = (Table(t.caption, t.columns, t.rows, digits=6) for t in tables(measured))
-    return Section(first_screen.COST, (Text(f"{NOTE} {'; '.join(measured.absent)}."), *rendered))
+    return Section(first_screen.COST, (Text(f"{NOTE} {'; '.join(measured.absent)}."), *tables(measured)))
 
 
 def files(texts: Mapping[str, str]) -> Table:

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from synth import show
 from synth.analyse.loops.stability_margins import Margins
 from synth.block import Block
 from synth.emit.write import EmittedCode
@@ -148,15 +149,15 @@ def _experiment(run: Experiment, shown: Shown) -> Section:
     return Section(section.title, (*section.blocks, *table, *extra_blocks), section.sections)
 
 
-def _headroom(runs: Sequence[Experiment]) -> tuple[page.Table, ...]:
+def _headroom(runs: Sequence[Experiment]) -> tuple[show.Table, ...]:
     """Return the largest |state| / bound of each run, and the state."""
-    rows: list[tuple[page.Cell, ...]] = []
+    rows: list[tuple[show.Cell, ...]] = []
     for run in runs:
         for name, ratio in run.figures.items():
             if name.startswith(HEADROOM):
                 rows.append((run.title, name.removeprefix(HEADROOM).strip(" ()"), ratio))
     caption = "Headroom of the states of the control laws: largest |state| / bound"
-    return (page.Table(caption, ("experiment", "state", "ratio"), tuple(rows)),) if rows else ()
+    return (show.Table(caption, ("experiment", "state", "ratio"), tuple(rows)),) if rows else ()
 
 
 def audit(rows: Sequence[Row], blocks: Sequence[page.Block] = (page.Text("Verdicts are computed."),)) -> Section:

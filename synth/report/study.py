@@ -1,5 +1,6 @@
 """Section on a study of tolerances: distribution, worst case, yield and driver of every figure."""
 
+from synth import show
 from synth.report import page
 from synth.report.page import Section
 from synth.simulate import study, worst_case
@@ -22,8 +23,8 @@ def section(table: StudyTable, worst: WorstCase | None = None) -> Section:
     limited = tuple(_row(s) for s in summaries if s.name in table.limits)
     others = tuple(_row(s) for s in summaries if s.name not in table.limits)
     notes = page.Text("\n\n".join([*study.notes(table), *(worst_case.notes(worst) if worst else [])]))
-    tables = (page.Table(f"Limits on {len(table.rows)} machines", COLUMNS, limited),) if limited else ()
-    folded = (page.Folded("Values without a limit", (page.Table("Values", COLUMNS, others),)),) if others else ()
+    tables = (show.Table(f"Limits on {len(table.rows)} machines", COLUMNS, limited),) if limited else ()
+    folded = (page.Folded("Values without a limit", (show.Table("Values", COLUMNS, others),)),) if others else ()
     return Section(TITLE, (page.Text(ABOUT), notes, *tables, *folded))
 
 
@@ -32,7 +33,7 @@ def page_text(name: str, table: StudyTable, worst: WorstCase | None = None) -> s
     return page.render(page.Report(name, f"Study of {len(table.rows)} machines", (section(table, worst),)))
 
 
-def _row(s: Summary) -> tuple[page.Cell, ...]:
+def _row(s: Summary) -> tuple[show.Cell, ...]:
     has_limit = s.limit == s.limit
     limit, kept = (s.limit, f"{s.passed:.2%}") if has_limit else ("", "")
     driver = f"{s.driver} {s.correlation:+.2f}" if s.driver else ""

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from synth import show
 from synth.analyse.loops import robustness
 from synth.analyse.loops.robustness import Survey
 from synth.check import Check, Incomplete, of_error
@@ -182,7 +183,7 @@ def loops(survey: Survey | None) -> Section:
     return standard.loops(shown, (page.Text(standard.OPENED), *map(page.Text, notes), *disks(survey)))
 
 
-def disks(survey: Survey) -> tuple[page.Table, ...]:
+def disks(survey: Survey) -> tuple[show.Table, ...]:
     """Return the table of the disk margins at the points of the nominal plant, and of all the least."""
     nominal = {loop.point for loop in survey.loops if not loop.case}
     least = min(survey.disks, key=lambda place: survey.disks[place]["both"].lower, default="")

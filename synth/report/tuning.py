@@ -1,8 +1,10 @@
 """Page of a tuning: proposed values beside the declared ones, goals, margins, certificate, and the Pareto front."""
 
+from synth import show
 from synth.declare.tuning import Candidate, Goal, Tuned, Tuning
 from synth.report import page
-from synth.report.page import Checks, Section, Table
+from synth.report.page import Checks, Section
+from synth.show import Table
 
 TITLE = "Tuning"
 ABOUT = (
@@ -30,7 +32,7 @@ def tables(tuning: Tuning, tuned: Tuned) -> tuple[Table, ...]:
     )
 
 
-def _goal(before: Goal | None, goal: Goal) -> tuple[page.Cell, ...]:
+def _goal(before: Goal | None, goal: Goal) -> tuple[show.Cell, ...]:
     name = f"least {goal.name.replace('_', ' ')}" if goal.is_margin else goal.name
     old, ratio = (before.value, before.ratio) if before else ("", "")
     return name, goal.unit, goal.limit, old, goal.value, ratio, goal.ratio

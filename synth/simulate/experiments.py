@@ -52,7 +52,9 @@ class Experiment:
 
     def sheet(self) -> show.Sheet:
         """Return the measured values and the checks."""
-        figures = show.Table(("measured", "value"), tuple((name, show.number(v)) for name, v in self.figures.items()))
+        figures = show.Table(
+            "", ("measured", "value"), tuple((name, show.number(v)) for name, v in self.figures.items())
+        )
         run = self.trajectory.sheet()
         tables = tuple(t for t in (figures, check.table(self.checks)) if t.rows)
         return show.Sheet(f"Experiment {self.name}: {self.title}", (run.title,), tables)

@@ -238,7 +238,7 @@ class Trajectory:
         faults = f"{np.count_nonzero(self.faults)} samples with a fault"
         stops = (f"impact on the stop of {q}: {show.number(v)}" for q, v in self.impacts.items() if v)
         title = f"Trajectory of {len(self.time)} samples up to {show.number(self.time[-1])} s"
-        table = show.Table(("", "name", "least", "largest", "last"), tuple(rows))
+        table = show.Table("", ("", "name", "least", "largest", "last"), tuple(rows))
         return show.Sheet(title, (faults, *stops), (table,))
 
     def plot(self, names: Sequence[str] = ()) -> "Figure":

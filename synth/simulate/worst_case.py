@@ -78,7 +78,9 @@ class Diagram:
         title = f"Stanford diagram of {self.samples} samples, alert limit {show.number(self.limit, 3)} {self.unit}"
         note = "Rows: size of the error. Columns: protection level. Above the diagonal of equal steps: misleading."
         return Sheet(
-            title, (), (Table(("region", "samples", "fraction"), regions), Table(("error", *steps), rows, note=note))
+            title,
+            (),
+            (Table("", ("region", "samples", "fraction"), regions), Table("", ("error", *steps), rows, note=note)),
         )
 
 

@@ -22,7 +22,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from elftools.dwarf.compileunit import CompileUnit
@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from synth.block import Block
 from synth.emit import pipeline
 from synth.emit.program.lower import Program
+from synth.show import Table
 
 _KINDS = {"sq": "mul", "twice": "mul", "inv": "div", "clamp": "limit", "choose": "choice", "when": "choice"}
 _KINDS |= dict.fromkeys(("lt", "le", "eq", "ne"), "compare") | dict.fromkeys(("and", "or", "not", "bit"), "logic")
@@ -292,14 +293,6 @@ class Cost:
 def summarise(values: NDArray[np.int64]) -> Summary:
     """Return minimum, mean and maximum of a count (N,), N >= 1."""
     return Summary(int(values.min()), float(values.mean()), int(values.max()))
-
-
-class Table(NamedTuple):
-    """A caption, columns, and rows of texts."""
-
-    caption: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
 
 
 def tables(cost: Cost) -> tuple[Table, ...]:

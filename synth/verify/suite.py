@@ -54,7 +54,7 @@ class Evidence:
             (f"{a.first}, {a.second}", a.what, str(a.samples), show.number(a.worst), a.signal) for a in self.agreements
         )
         columns = ("witnesses", "compared", "samples", "worst difference", "signal")
-        tables = [checks.table(self.checks), show.Table(columns, tuple(agreements))]
+        tables = [checks.table(self.checks), show.Table("", columns, tuple(agreements))]
         return show.Sheet(title, tables=tuple(t for t in tables if t.rows))
 
     @property

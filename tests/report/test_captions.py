@@ -3,6 +3,7 @@
 import pytest
 from matplotlib.figure import Figure
 
+from synth import show
 from synth.errors import DesignError
 from synth.report import page, prose
 
@@ -13,10 +14,10 @@ DESCRIBED = {
 
 
 def test_rows_become_a_table_and_a_drawing_a_figure() -> None:
-    table = page.Table("own", ("x",), ())
+    table = show.Table("own", ("x",), ())
     made = {"a.rows": [("one", 1.0)], "a.drawn": Figure(), "a.n": 3, "a.x": -0.5, "a.table": table}
     values = prose.with_captions(made, DESCRIBED)
-    assert values["a.rows"] == page.Table("Of 3 in −0.50-100 %", ("name", "value"), (("one", 1.0),), 2)
+    assert values["a.rows"] == show.Table("Of 3 in −0.50-100 %", ("name", "value"), (("one", 1.0),), 2)
     drawn = values["a.drawn"]
     assert isinstance(drawn, page.Figure) and drawn.svg.startswith("<svg") and drawn.published == "Fig. 1"
     assert values["a.table"] is table and values["a.n"] == 3

@@ -10,7 +10,8 @@ import pytest
 from synth.check import Check
 from synth.errors import DesignError
 from synth.report import notation, page, sections
-from synth.report.page import Checks, Equations, Figure, Report, Section, Table, Text
+from synth.report.page import Checks, Equations, Figure, Report, Section, Text
+from synth.show import Table
 from synth.simulate.experiments import Experiment
 from synth.verify.agree import Agreement
 

@@ -5,7 +5,8 @@ import pytest
 from synth.errors import DesignError
 from synth.report import page, prose
 from synth.report.equations import mathml
-from synth.report.page import Prose, Section, Table
+from synth.report.page import Prose, Section
+from synth.show import Table
 
 TABLE = Table("Extra", ("a",), ((1.0,),))
 VALUES = {"plant.G": 9.81, "count": 3, "who": "a*b_c", "extra": TABLE}

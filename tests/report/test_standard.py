@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from synth import show
 from synth.analyse.loops import stability_margins
 from synth.check import Check
 from synth.report import gains_table, page, standard
@@ -54,7 +55,7 @@ def test_loops_are_drawn_by_signal_and_the_worst_where_there_are_many() -> None:
     assert [s.title for s in section.sections] == ["Loop of i1", "Loop of z"]
     assert section.blocks == (page.Text("first"),)
     figure, table = section.sections[0].blocks
-    assert isinstance(table, page.Table) and len(table.rows) == 8 and table.rows[0][0] == "10"
+    assert isinstance(table, show.Table) and len(table.rows) == 8 and table.rows[0][0] == "10"
     assert isinstance(figure, page.Figure) and "6 loops with the least modulus margins" in figure.caption
 
 
@@ -63,7 +64,7 @@ def test_experiments_show_the_headroom_of_states(run: Callable[..., Experiment])
     shown = Shown({"y": "m", "theta": "rad"}, {"y": 1e-5}, {"tracking": "Fig. 7"}, {"tracking": (page.Text("more"),)})
     section = standard.experiments([bounded], shown)
     table = section.blocks[0]
-    assert isinstance(table, page.Table) and table.rows == (("Tracking", "axis_sum", 0.41),)
+    assert isinstance(table, show.Table) and table.rows == (("Tracking", "axis_sum", 0.41),)
     assert section.sections[0].blocks[-1] == page.Text("more") and "Fig. 7" in section.sections[0].blocks[0].published  # type: ignore[union-attr]
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from synth import show
 from synth.analyse.loops import robustness
 from synth.app import verdicts
 from synth.check import Check, Incomplete
@@ -49,9 +50,9 @@ def test_a_loop_that_is_not_stable_is_reported_as_such() -> None:
     loops = template.loops(survey)
     texts = [block.text for block in loops.blocks if isinstance(block, page.Text)]
     assert "The closed loop is UNSTABLE at mid, high: it has no disk margin there." in texts
-    (disks,) = (block for block in loops.blocks if isinstance(block, page.Table))
+    (disks,) = (block for block in loops.blocks if isinstance(block, show.Table))
     assert {row[0] for row in disks.rows} == {"low"}
-    (table,) = (block for block in loops.sections[0].blocks if isinstance(block, page.Table))
+    (table,) = (block for block in loops.sections[0].blocks if isinstance(block, show.Table))
     assert [row[1] for row in table.rows] == ["stable", "UNSTABLE", "UNSTABLE"]
 
 
@@ -70,12 +71,12 @@ def test_of_the_corners_of_the_tolerances_the_worst_is_shown_beside_the_nominal_
     corners = [loop for loop in worst if loop.case]
     assert corners, "no corner is worse than the nominal plant"
     tables = [block for section in template.loops(survey).sections for block in section.blocks]
-    labels = [str(row[0]) for table in tables if isinstance(table, page.Table) for row in table.rows]
+    labels = [str(row[0]) for table in tables if isinstance(table, show.Table) for row in table.rows]
     assert [label for label in labels if "M =" in label] == [c.label.partition(", ")[2] for c in corners]
 
 
 def test_text_and_blocks_of_report_md_are_placed_by_title(monkeypatch: pytest.MonkeyPatch) -> None:
-    bench = page.Table("Where it stands", ("floor",), (("granite",),))
+    bench = show.Table("Where it stands", ("floor",), (("granite",),))
     html = report(monkeypatch, OWN, values={"bench": bench}, facts=(("payload", "1 kg"),))
     assert "The moved mass is 1.5 kg, read every 0.5 ms." in html and "<dd>1 kg</dd>" in html
     model, bench_section, law = (html.index(f" {title}</h2>") for title in ("Model", "Bench", "Control law"))

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
@@ -385,3 +386,12 @@ def test_a_servo_follows_a_set_point_that_names_the_output_behind_its_sensor() -
         rig = standard_tasks.rig(declared, np.float64)
         ends.append(rig.run(0.5, {"q": 1e-3}, {"r": 5e-4})["q"][-1])
     assert ends[0] == ends[1] == pytest.approx(5e-4, abs=1e-8)
+
+
+def test_a_header_has_a_sentence_a_paragraph(tmp_path: Path) -> None:
+    file = tmp_path / "header.md"
+    file.write_text("It rests\non its stop at {stop:g} mm.\n\nThen it lifts.\n")
+    assert stage.read_header(file, stop=31.0) == ["It rests on its stop at 31 mm.", "Then it lifts."]
+    for values in ({}, {"stop": 31.0, "gap": 2.0}):
+        with pytest.raises(DesignError, match=r"header.md: found values of .*, need those of its placeholders, .'stop'"):
+            stage.read_header(file, **values)

@@ -6,13 +6,14 @@ The field is that of the fabricated matrix at the sensors' height, from the bloc
 from dataclasses import asdict, replace
 from functools import cache
 from math import degrees
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from designs.hall_position.glsdc import channels, estimator, tracking
 from designs.hall_position.glsdc.parameters import Tuning
-from models import hall_array, hall_two_waves
+from models import hall_array, hall_two_waves, papers
 from models.hall_array import Pair
 from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import PlanarArray as Array
@@ -32,10 +33,6 @@ UNPROTECTED = (
     "wrong. The deviations hold for the field of the model only, two waves along each axis whose voltages are right to "
     "the noise of 1 mV rms. In the field of the fabricated matrix or of a finite one, with an amplitude 2 % low, or "
     "with gains that differ by 1 %, they are 20 to 1,800 times too small."
-)
-START = (
-    "At init the body is within half a pitch of the counted origin along X and Y, and within {yaw:g} degrees of yaw "
-    "0. It rests until the first valid sample. A lost position lock needs init."
 )
 PLACES = PUBLISHED[:2]  # in pitches
 TUNING = Tuning()
@@ -70,9 +67,10 @@ def controller() -> Controller:
     return stage.controller(NAME, TIME, interface, lambda: [estimator.estimator(planar_array, TIME, TUNING)])
 
 
-def preconditions() -> str:
-    """Return where the body must be at init."""
-    return START.format(yaw=degrees(tracking.valid_yaw_limit(TUNING)))
+def header_notes() -> list[str]:
+    """Return the sentences of the C's header."""
+    yaw = degrees(tracking.valid_yaw_limit(TUNING))
+    return stage.read_header(Path(__file__).parents[1] / "header.md", yaw=yaw, paper=papers.KAWATO)
 
 
 def block() -> Block:

@@ -8,6 +8,7 @@ reached. Those of three sensors are the result of `python -m studies.hall.protec
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -20,6 +21,7 @@ from models import hall_motions as motions
 from models.hall_array import Pair
 from models.hall_motions import Numbers
 from models.hall_two_waves import PlanarArray as Array
+from synth import stage
 from synth.block import Block
 from synth.errors import DesignError
 
@@ -46,17 +48,6 @@ CALIBRATED_THREE = replace(
     largest_amplitude=0.02,
 )
 TUNINGS: Mapping[str, Tuning] = MappingProxyType({NAME: USUAL, THREE: CALIBRATED_THREE})
-PRECONDITIONS = (
-    "At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It "
-    "rests until the first valid sample. A lost track needs init, and so does a body that has left {:g} pitches to "
-    "either side of the origin along X or Y. Protection levels hold for a fault of one sensor, "
-    "and for voltages within {:g} mV rms of the model."
-)
-CALIBRATE = (
-    " Three sensors need a calibration of the unit to that, gains that stay within 0.3 % of it, and a map of its "
-    "field. Without it almost nothing is valid, and what is valid may be wrong. If a sensor fails before the first "
-    "valid sample, little is valid, and that may be wrong."
-)
 VECTORS, SEED = 1000, 2011
 REST, DISPLACEMENT, START = 150, (0.12, -0.09, -0.08), (0.011, -0.016, 0.03)  # samples; m, m, rad
 REFUSED, DEAD, FROZEN = slice(300, 304), slice(450, 550), slice(700, 760)  # samples of faults
@@ -75,10 +66,12 @@ def block(tuning: Tuning | None = None, name: str = NAME) -> Block:
     return estimator.guarded_estimator(name, array(name), config.TIME, tuning or TUNINGS[name])
 
 
-def preconditions(name: str) -> str:
+def header_notes(name: str) -> list[str]:
     """Return for which bodies and voltages the estimate and its protection levels hold."""
     of = TUNINGS[name]
-    return PRECONDITIONS.format(of.pitches, 1e3 * of.model_error) + (CALIBRATE if name == THREE else "")
+    path = Path(__file__).with_name("header.md")
+    holds, calibrate = stage.read_header(path, pitches=of.pitches, error=1e3 * of.model_error)
+    return [f"{holds} {calibrate}" if name == THREE else holds]
 
 
 def gains(scalar: type[np.floating], name: str = NAME) -> dict[str, Any]:

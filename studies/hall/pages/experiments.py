@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from synth import show
 from synth.blocks.laws.error_map import ErrorMap
 from synth.report import figures, maps, page, standard
 from synth.report.maps import Chart, Line, Map
@@ -58,17 +59,17 @@ def with_readable_names(e: Experiment) -> Experiment:
     return replace(e, **changed)
 
 
-def comparison_table(measured: Mapping[str, float]) -> page.Table:
+def comparison_table(measured: Mapping[str, float]) -> show.Table:
     """Return figures 'source: quantity' as a table with a row for each quantity and a column for each source."""
     by_quantity: dict[str, dict[str, float]] = {}
     for key, value in measured.items():
         source, what = key.split(": ", 1)
         by_quantity.setdefault(what, {})[source] = value
     names = tuple(dict.fromkeys(key.split(": ", 1)[0] for key in measured))
-    rows: list[tuple[page.Cell, ...]] = [
+    rows: list[tuple[show.Cell, ...]] = [
         (_unit(w), *(row.get(n, np.nan) for n in names)) for w, row in by_quantity.items()
     ]
-    return page.Table("The position sources of planar_6dof_lqg compared", ("figure", *names), tuple(rows))
+    return show.Table("The position sources of planar_6dof_lqg compared", ("figure", *names), tuple(rows))
 
 
 def _unit(what: str) -> str:

@@ -13,8 +13,9 @@ from studies.hall.calibrated import estimator, stages, survey
 from studies.hall.calibrated.survey import Case
 from studies.hall.protected import faults, trust
 from studies.hall.protected.trust import Samples
+from synth import show
 from synth.base.progress import Progress
-from synth.report import maps, page
+from synth.report import maps
 from synth.report.maps import Chart, Line
 from synth.report.prose import Content, Rows
 
@@ -49,7 +50,7 @@ def tables(progress: Progress) -> dict[str, Content]:
 
 def stage_rows() -> Rows:
     """Return the residuals and the errors left after each stage."""
-    rows: list[tuple[page.Cell, ...]] = []
+    rows: list[tuple[show.Cell, ...]] = []
     for name, case in survey.UNITS.items():
         for stage in stages.STAGES:
             of = stages.of_unit(case.field, case.seed, stage)
@@ -61,7 +62,7 @@ def stage_rows() -> Rows:
 
 def fault_rows() -> Rows:
     """Return what is valid and wrong after each fault, at rest and in motion, the larger of both."""
-    rows: list[tuple[page.Cell, ...]] = []
+    rows: list[tuple[show.Cell, ...]] = []
     for name, calibration, R, runner in _runners():
         by_fault = {f: [runner(f, speed).outcome() for speed in survey.SPEEDS] for f in faults.FAULTS}
         none = by_fault.pop("none")
@@ -132,7 +133,7 @@ def stanford(of: Samples) -> Figure:
 
 def subset_rows(case: Case) -> Rows:
     """Return the counts of the Stanford diagram of X for every subset of sensors in use, without a further fault."""
-    rows: list[tuple[page.Cell, ...]] = []
+    rows: list[tuple[show.Cell, ...]] = []
     tuning = survey.tuning(case)
     for refused in survey.subsets():
         used = "".join(ascii_uppercase[k] for k in range(4) if k not in refused) or "none"

@@ -24,6 +24,7 @@ from models.hall_stage import Stage
 from models.hall_two_waves import PlanarArray as Sensors
 from studies.hall.loop import closed_loop
 from studies.hall.loop.closed_loop import Source
+from synth import show
 from synth.analyse import operating_points
 from synth.analyse.loops import loop
 from synth.block import Block
@@ -50,7 +51,7 @@ def section(points: int = PLACES) -> page.Section:
     return standard.loops(open_loops, blocks=(_over_pitch(source, block, points),))
 
 
-def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
+def _over_pitch(source: Source, block: Block, points: int) -> show.Table:
     places = loops.places_over_pitch(source.array.pitch, points)
     by_place = [loops.of_parts(open_loop(source, block, place), HORIZONTAL, ESTIMATE) for place in places]
     rows = []
@@ -59,7 +60,7 @@ def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
         stable = "yes" if all(m.stable for m in margins) else "NO"
         rows.append((SYMBOLS.get(axis, axis), stable, *sections.margins_ranges(margins)))
     caption = f"The loops closed by the estimate at {points} places of a pitch"
-    return page.Table(caption, ("axis", "all stable", *sections.RANGES), tuple(rows))
+    return show.Table(caption, ("axis", "all stable", *sections.RANGES), tuple(rows))
 
 
 def open_loop(source: Source, block: Block, place: Place) -> LoopParts:

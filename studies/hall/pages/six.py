@@ -12,6 +12,7 @@ from models.hall_two_waves import SpatialArray
 from studies.hall import layout_accuracy
 from studies.hall.pages import drawings
 from studies.hall.protected import spatial
+from synth import show
 from synth.analyse.observability.information import Accuracy
 from synth.report import figures, maps, page
 from synth.report.maps import Map
@@ -72,19 +73,19 @@ def _layout(array: SpatialArray, sensors: int) -> page.Section:
     return page.Section(f"{sensors} sensors", (*drawings, *tables, _misfit(array)))
 
 
-def _table(accuracies: Mapping[str, Accuracy], what: str) -> page.Table:
+def _table(accuracies: Mapping[str, Accuracy], what: str) -> show.Table:
     rows = tuple(
         (name.replace("-", "−").replace(" deg", "°"), *(1e6 * each.deviations.max(axis=0)), each.condition.max())
         for name, each in accuracies.items()
     )
-    return page.Table(f"Largest standard deviations over the pitch {what}", (*COLUMNS, "condition"), rows)
+    return show.Table(f"Largest standard deviations over the pitch {what}", (*COLUMNS, "condition"), rows)
 
 
-def _misfit(array: SpatialArray) -> page.Table:
+def _misfit(array: SpatialArray) -> show.Table:
     """Return the errors due to waves outside the model, to first order."""
     sensors = hall_array.point_sensors([(x, y) for x, y, _ in array.positions])
     off = 1e6 * layout_accuracy.misfit(
         array, sensors, Stage().waves(errors.WAVES), layout_accuracy.cell(array, LEVEL, POINTS)
     )
     rows = ("rms", *np.sqrt(np.mean(off**2, axis=0)).tolist()), ("largest", *np.abs(off).max(axis=0).tolist())
-    return page.Table("Errors by what model (2) does not know of the field, to first order, level", COLUMNS, rows)
+    return show.Table("Errors by what model (2) does not know of the field, to first order, level", COLUMNS, rows)

@@ -11,7 +11,8 @@ from models import hall_two_waves
 from models.hall_motions import Pose
 from studies.hall.trust import endurance, failures, starts
 from studies.hall.trust.estimator_ensemble import EstimatorConfig
-from synth.report import maps, page
+from synth import show
+from synth.report import maps
 from synth.report.figures import COLOURS
 from synth.report.maps import Chart, Line, Map
 from synth.report.prose import Content, Rows
@@ -63,7 +64,7 @@ def basins(configs: EstimatorConfigs) -> dict[str, Content]:
     pitch = 1e3 * next(iter(configs.values())).array.pitch
     sides = [(0.0, pitch)] * 2
     by_name = {NAMES[name]: starts.basin(estimator, BODIES, YAW, SAMPLES) for name, estimator in configs.items()}
-    rows: list[tuple[page.Cell, ...]] = []
+    rows: list[tuple[show.Cell, ...]] = []
     for name, each in by_name.items():
         for after, shares in ((1, each.first), (SAMPLES, each.last)):
             rows += [
@@ -78,7 +79,7 @@ def basins(configs: EstimatorConfigs) -> dict[str, Content]:
     )
     return {
         "trust.capture_radius": maps.maps(radius, sides, (0.0, pitch / 4), columns=2, log=False, label="mm"),
-        "trust.basins": page.Table("Starts that converge to the true position, %", columns, tuple(rows), digits=3),
+        "trust.basins": show.Table("Starts that converge to the true position, %", columns, tuple(rows), digits=3),
         "trust.wrong": [(name, each.samples, each.misleading) for name, each in by_name.items()],
     }
 
@@ -106,7 +107,7 @@ def _ms(samples: np.ndarray) -> np.ndarray:
     return 1e3 * config.TIME.period_s * samples
 
 
-def _cold_start_row(name: str, each: Scores) -> tuple[page.Cell, ...]:
+def _cold_start_row(name: str, each: Scores) -> tuple[show.Cell, ...]:
     first_valid = each.first_valid  # samples, 0 without a valid estimate
     ms = _ms(first_valid[first_valid > 0])
     median, longest = (float(np.median(ms)), float(ms.max())) if ms.size else (np.inf, np.inf)
@@ -114,7 +115,7 @@ def _cold_start_row(name: str, each: Scores) -> tuple[page.Cell, ...]:
     return name, located, valid, median, longest, int(each.is_wrong.sum())
 
 
-def _motion(name: str, estimator: EstimatorConfig) -> tuple[page.Cell, ...]:
+def _motion(name: str, estimator: EstimatorConfig) -> tuple[show.Cell, ...]:
     """Return the limits of motion, and the result of random motions up to them."""
     run = endurance.run(estimator, MOVING_BODIES, MOTION_SAMPLES, endurance.limits(estimator))
     shares = 100 * run.valid_share, 100 * run.lock_lost_share, run.misleading, 1e6 * run.max_valid_error
@@ -131,7 +132,7 @@ def failure_rows(configs: EstimatorConfigs) -> Rows:
     ]
 
 
-def _worst(estimator: EstimatorConfig, failure: str, fraction: float) -> tuple[page.Cell, ...]:
+def _worst(estimator: EstimatorConfig, failure: str, fraction: float) -> tuple[show.Cell, ...]:
     limits = endurance.limits(estimator)
     reduced = replace(limits, speed=fraction * limits.speed, acceleration=fraction * limits.acceleration)
     motion = reduced if fraction else None

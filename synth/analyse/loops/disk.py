@@ -131,7 +131,7 @@ class DiskMargin:
             (name, n(delta), n(abs(f)), n(float(np.degrees(np.angle(f)))))
             for (name, delta), f in zip(self.worst.items(), self.factors.tolist(), strict=True)
         )
-        table = show.Table(("channel", "delta", "|f|", "arg f [deg]"), rows)
+        table = show.Table("", ("channel", "delta", "|f|", "arg f [deg]"), rows)
         count = f"{len(self.channels)} channel{'s' * (len(self.channels) > 1)}"
         return show.Sheet(f"Disk margin of {count} in {self.time}: {n(self.alpha)}", lines, (table,))
 

@@ -141,7 +141,7 @@ class ClosedLoop:
         return show.Sheet(
             f"Closed loop in {self.whole.time}: {state}",
             (f"poles {poles}",),
-            (show.Table(("signal", "is"), named), show.Table(("transfer", "arrow"), arrows)),
+            (show.Table("", ("signal", "is"), named), show.Table("", ("transfer", "arrow"), arrows)),
         )
 
 

@@ -273,12 +273,12 @@ class Margins:
             (*_pair(c.frequency), show.number(c.phase_margin), show.number(c.delay_margin)) for c in self.gain_crossings
         ]
         phases = [(*_pair(c.frequency), show.number(c.gain_margin)) for c in self.phase_crossings]
-        tables = [show.Table(("margin", "value", "unit"), worst)]
+        tables = [show.Table("", ("margin", "value", "unit"), worst)]
         if gains:
             columns = ("|L| = 1 at [rad/s]", "[Hz]", "phase margin [degrees]", "delay margin [s]")
-            tables.append(show.Table(columns, tuple(gains)))
+            tables.append(show.Table("", columns, tuple(gains)))
         if phases:
-            tables.append(show.Table(("L < 0 at [rad/s]", "[Hz]", "gain margin"), tuple(phases)))
+            tables.append(show.Table("", ("L < 0 at [rad/s]", "[Hz]", "gain margin"), tuple(phases)))
         return show.Sheet(f"Margins of a {'stable' if self.stable else 'NOT STABLE'} loop", lines, tuple(tables))
 
 

@@ -74,7 +74,10 @@ class Gramians:
             for v, share, along in zip(self.hankel, part, self.directions, strict=True)
         )
         shares = tuple((n, f"{v:.2%}") for part in (self.by_input, self.by_output) for n, v in part.items())
-        tables = (show.Table(("Hankel value", "share", "states"), rows), show.Table(("signal", "share"), shares))
+        tables = (
+            show.Table("", ("Hankel value", "share", "states"), rows),
+            show.Table("", ("signal", "share"), shares),
+        )
         return show.Sheet(f"Gramians {self.span}; residual {self.residual:.1e}", tables=tables)
 
 

@@ -77,7 +77,7 @@ class Minimal:
             for m in modes
             if m.value.imag >= 0
         )
-        tables = (show.Table(("mode removed", "states", "why"), rows),) if rows else ()
+        tables = (show.Table("", ("mode removed", "states", "why"), rows),) if rows else ()
         before = len(self.model.states) + len(self.uncontrollable) + len(self.unobservable)
         return show.Sheet(f"Minimal model: {len(self.model.states)} of {before} states", tuple(lines), tables)
 

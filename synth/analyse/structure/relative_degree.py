@@ -264,7 +264,7 @@ class RelativeDegree:
             authority = f"{self.authority[signal.name]:.3g}"
             rows.append((signal.name, str(r), ", ".join(entering), authority, f"{worst.condition:.4g}", worst.where))
         columns = ("output", "degree", "through", "inputs over drift", "largest over least row", "least at")
-        table = show.Table(columns, tuple(rows))
+        table = show.Table("", columns, tuple(rows))
         return show.Sheet(f"Relative degree of '{self.model.name}'", tuple(lines), (table,))
 
 

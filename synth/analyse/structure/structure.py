@@ -261,7 +261,7 @@ def _tables(kind: str, roots: Sequence[Root]) -> tuple[show.Table, ...]:
         for r in roots
         if r.value.imag >= 0
     ]
-    return (show.Table((kind, "damping", "frequency [Hz]", *shown), tuple(rows)),) if rows else ()
+    return (show.Table("", (kind, "damping", "frequency [Hz]", *shown), tuple(rows)),) if rows else ()
 
 
 def _remark(mode: Mode, A: ArrayLike, time: Time) -> str:

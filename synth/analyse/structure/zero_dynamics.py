@@ -92,7 +92,7 @@ class ZeroDynamics:
             f"restricted dynamics and pencil {word}: relative difference {self.distance:.1e}",
         )
         rows = tuple((show.number(mode.value), ", ".join(mode.states)) for mode in self.modes)
-        table = show.Table(("mode [1/s]", "states"), rows)
+        table = show.Table("", ("mode [1/s]", "states"), rows)
         return show.Sheet(f"Zero dynamics of order {self.order}: {self.verdict}", lines, (table,))
 
 

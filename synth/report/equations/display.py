@@ -12,6 +12,7 @@ import sympy as sp
 from markupsafe import Markup
 from sympy.core.parameters import distribute
 
+from synth import show
 from synth.block import Block
 from synth.plant import Plant
 from synth.report import page
@@ -129,16 +130,16 @@ def block(block: Block, folded: Collection[str] = ()) -> tuple[page.Formulas | p
     return tuple(_fold(f) if name in folded or len(f.rows) > MAX_SHOWN_EQUATIONS else f for name, f in shown.items())
 
 
-def signals(caption: str, signals: Sequence[Signal]) -> page.Table:
+def signals(caption: str, signals: Sequence[Signal]) -> show.Table:
     """Return a table of signals: symbol, name in the code, unit, range and meaning."""
     rows = tuple((mathml.symbol(s.name), s.name, readable(s.unit), s.low, s.high, s.about) for s in signals)
-    return page.Table(caption, ("symbol", "name", "unit", "from", "to", "is"), rows)
+    return show.Table(caption, ("symbol", "name", "unit", "from", "to", "is"), rows)
 
 
-def constants(block: Block) -> page.Table:
+def constants(block: Block) -> show.Table:
     """Return a table of the constants of a Block: name in the code, value, unit and source."""
     rows = tuple((c.name, c.value, readable(c.unit), c.source) for c in block.constants)
-    return page.Table("Constants", ("name", "value", "unit", "computed from"), rows, digits=7)
+    return show.Table("Constants", ("name", "value", "unit", "computed from"), rows, digits=7)
 
 
 def _fold(formulas: page.Formulas) -> page.Folded:

@@ -78,7 +78,7 @@ class Compensator:
         rows += [(f"pole [{variable}]", show.number(v, 8)) for v in self.poles]
         signals = " to ".join(show.with_unit(name, self.units.get(name, "")) for name in (self.input, self.output))
         equation = show.ratio("K", "s" if variable == "1/s" else "z", self.gain, self.zeros, self.poles)
-        table = show.Table(("", "value"), tuple(rows), equation=equation)
+        table = show.Table("", ("", "value"), tuple(rows), equation=equation)
         return show.Sheet(f"Compensator in {self.time}, {signals}", (), (table,))
 
 
@@ -115,7 +115,7 @@ class LeadLag:
         )
         title = f"Lead-lag, {self.method}, {signals}, {self.discrete.time}"
         equation = show.ratio("K", "z", self.gain, self.zeros, self.poles)
-        table = show.Table(("", "continuous [1/s]", "sampled [z]"), tuple(rows), equation=equation)
+        table = show.Table("", ("", "continuous [1/s]", "sampled [z]"), tuple(rows), equation=equation)
         return show.Sheet(title, (line,), (table,))
 
 

@@ -115,7 +115,7 @@ class Assessment:
         columns = ("channel", "residual rms", "explained by noise", "model error, at most", "rms of h")
         parts = (self.rms, self.explained, self.model_error, self.size)
         rows = tuple((name, *(show.number(part[name], 3) for part in parts)) for name in self.rms)
-        return show.Sheet(f"Residuals of {self.samples} samples", (), (show.Table(columns, rows),))
+        return show.Sheet(f"Residuals of {self.samples} samples", (), (show.Table("", columns, rows),))
 
 
 @arguments.checked

@@ -157,8 +157,8 @@ class Estimate:
             for n, v in self.rms.items()
         )
         tables = (
-            show.Table(columns, rows),
-            show.Table(("output", "residual rms", "R^2"), fits),
+            show.Table("", columns, rows),
+            show.Table("", ("output", "residual rms", "R^2"), fits),
             show.matrix("correlation", np.round(self.correlation, 4), self.parameters, self.parameters),
         )
         line = f"{self.residual_freedom} degrees of freedom, condition number {self.condition:.3g}."

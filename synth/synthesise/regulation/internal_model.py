@@ -61,7 +61,7 @@ class InternalModel:
     def sheet(self) -> show.Sheet:
         """Return the modes."""
         rows = tuple((show.number(m.value), f"{abs(m.value.imag):.5g}", str(m.multiplicity)) for m in self.modes)
-        table = show.Table(("mode [1/s]", "frequency [rad/s]", "multiplicity"), rows)
+        table = show.Table("", ("mode [1/s]", "frequency [rad/s]", "multiplicity"), rows)
         return show.Sheet(f"Internal model of order {len(self.Phi)} for each error, {self.time}", tables=(table,))
 
 

@@ -27,7 +27,7 @@ def table(poles: NDArray[np.complex128], time: Time) -> show.Table:
     sampled = isinstance(time, Discrete)
     radius = _deadbeat_radius(poles) if sampled else -1.0
     rows = ((show.number(p), *(("deadbeat", "-") if abs(p) <= radius else _shape(p, time))) for p in poles)
-    return show.Table(("pole, z" if sampled else "pole [1/s]", "f [Hz]", "damping"), tuple(rows))
+    return show.Table("", ("pole, z" if sampled else "pole [1/s]", "f [Hz]", "damping"), tuple(rows))
 
 
 def _deadbeat_radius(poles: NDArray[np.complex128]) -> float:

@@ -14,8 +14,9 @@ from designs.hall_position.paper import rows
 from models.hall_stage import Stage
 from synth.emit.write import EmittedCode
 from synth.report import audit, sections, template
-from synth.report.page import Folded, Section, Table
+from synth.report.page import Folded, Section
 from synth.report.prose import Content, Rows
+from synth.show import Table
 from synth.verify.cost import Cost
 from synth.verify.suite import Evidence
 

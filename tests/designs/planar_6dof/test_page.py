@@ -9,6 +9,7 @@ from designs.planar_6dof import page as planar
 from designs.planar_6dof.sensing import maps as sensing_maps
 from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
+from synth import show
 from synth.report import page
 from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
@@ -36,7 +37,7 @@ def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensor
     latched = section.sections[-1]
     captions = [b.caption for b in latched.blocks if isinstance(b, page.Figure)]
     assert "drawn around the latch" in captions[0]
-    (table,) = [b for b in latched.blocks if isinstance(b, page.Table)]
+    (table,) = [b for b in latched.blocks if isinstance(b, show.Table)]
     assert [row[0] for row in table.rows] == list(planar_stage.HALL)
     assert sum(len(row) - 1 for row in table.rows) == len(runs[-1].figures)
     texts = [b.published for s in section.sections[:2] for b in s.blocks if isinstance(b, page.Figure)]

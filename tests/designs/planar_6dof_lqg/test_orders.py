@@ -6,7 +6,7 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof import lqg
 from designs.planar_6dof_lqg import core
 from models import planar_stage
-from synth.report.page import Table
+from synth.show import Table
 from synth.simulate.experiments import Experiment
 from synth.verify import meter
 

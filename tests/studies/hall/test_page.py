@@ -13,8 +13,9 @@ from studies.hall import costs, layout_accuracy, page
 from studies.hall.costs import Row
 from studies.hall.pages import accuracy, integrity, six, trust
 from synth.check import Check
-from synth.report.page import Section, Table, Text
+from synth.report.page import Section, Text
 from synth.report.prose import Content, Rows
+from synth.show import Table
 
 pytestmark = pytest.mark.whole
 

@@ -16,8 +16,8 @@ from studies.hall.trust.estimator_ensemble import EstimatorConfig
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
-from synth.report.page import Table
 from synth.report.prose import Content, Rows
+from synth.show import Table
 from synth.simulate import sampling
 
 pytestmark = pytest.mark.whole
