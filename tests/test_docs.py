@@ -13,6 +13,7 @@ import pytest
 from docs import pages
 from synth import analyse, synthesise
 from synth.app import new
+from tests.export import harness
 
 pytestmark = pytest.mark.slow
 
@@ -102,6 +103,10 @@ def test_the_tutorial_leads_to_a_verified_bearing(tmp_path: Path) -> None:
     pages.apply(text, folder)
     synth(folder, *COMMAND, "build")
     synth(folder, "-m", "pytest", "-q", "-p", "no:cacheprovider")
+    exporting, rehearsing = re.findall(r"^(synth export .*)\n(make .*)$", text, re.MULTILINE)[0]
+    synth(folder, *COMMAND, *exporting.split()[1:])
+    printed = harness.make(folder, *rehearsing.split()[1:], f"CC={harness.compiler()}")
+    assert "0 of 1000 samples differ" in printed and "bearing: disabled: the run is over" in printed
 
 
 @pytest.mark.whole

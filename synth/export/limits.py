@@ -43,7 +43,7 @@ def of_stage(stage: Stage, positions: Mapping[str, str], home: Mapping[str, floa
         start = {**stage.start, **{positions[n]: home[n] for n in controlled}}
         x0 = np.array([start.get(n, 0.0) for n in names])
         for (name, i), a in zip(controlled.items(), _accelerations(stage, x0, list(controlled.values())), strict=True):
-            bounds[name] = _largest_rate(stage, i, bounds[name][0]), a if a > 0 else bounds[name][1]
+            bounds[name] = _largest_rate(stage, i, bounds[name][0]), a if 0 < a < np.inf else bounds[name][1]
     steps = {
         name: [abs(e.height) for e in stage.experiments if _steps(e, name)] or [SHARE * ranges[name]] for name in ranges
     }
@@ -80,7 +80,7 @@ def _accelerations(stage: Stage, x0: Array, rows: list[int]) -> list[float]:
     a = ca.mtimes(ca.jacobian(rate[rows], x), rate)
     acceleration = ca.Function("acceleration", [x, driven], [a, ca.jacobian(a, driven)])
     low, high = (np.array([float(getattr(s, end) or 0.0) for s in actuators]) for end in ("low", "high"))
-    held = np.clip(np.array([a.safe for a in actuators]), low, high)
+    held = (low + high) / 2  # not the safe output: a force that grows with the square of a current has no slope at 0 A
     for _ in range(20):
         a0, B = (np.asarray(m, dtype=np.float64) for m in acceleration(x0, held))
         held = np.clip(held - np.linalg.pinv(B) @ a0.ravel(), low, high)

@@ -1,14 +1,18 @@
 """The files of an export: every stage builds without a warning, refusals say what to do, the user's files stay."""
 
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+from synth import plant as plants
+from synth import stage as stages
 from synth.app import cli
 from synth.errors import DesignError, SignalError
 from synth.export import limits, project, records, wiring
+from synth.signals import Signal
 from tests import tools
 from tests.export import harness
 from tests.export.test_lockstep import MOTIONS, REGULAR
@@ -71,6 +75,30 @@ def test_the_limits_are_what_the_actuators_give(name: str) -> None:
         assert bounds["z_ref"].acceleration == pytest.approx(0.5 * p["K"] * (3 - held) / p["M"])
         assert bounds["x_ref"].acceleration == pytest.approx(0.5 * p["k"] * 2 / p["m"])
         assert bounds["z_ref"].speed == 0.2 and bounds["x_ref"].speed == 0.5
+
+
+def test_a_pull_that_grows_with_the_square_of_a_current_has_finite_limits() -> None:
+    """Two coils of 0 to 4 A from either side, C i^2 / m each: at 2 A both, half of 2 C 2 A 2 A 2 / m."""
+    C, m = 0.03, 0.5
+    signals = [Signal("x", "m", -1e-3, 1e-3), Signal("v", "m/s", -0.2, 0.2)]
+    plant = plants.build(
+        "two coils",
+        signals,
+        [Signal("up", "A", 0.0, 4.0), Signal("down", "A", 0.0, 4.0)],
+        signals[:1],
+        [],
+        lambda x, u, p: ({"x": x["v"], "v": C * (u["up"] ** 2 - u["down"] ** 2) / m}, {"x": x["x"]}),
+    )
+    of = harness.stage("levitator_2dof")
+    interface = stages.interface(
+        plant,
+        sensors=[stages.Sensor("x")],
+        set_points=[stages.SetPoint("x_ref", of="x", low=-1e-4, high=1e-4)],
+        actuators=[stages.Actuator(n, 0.0, 100.0) for n in ("up", "down")],
+    )
+    two = replace(of, plant=plant, controller=replace(of.controller, interface=interface), start={}, experiments=())
+    bounds = limits.of_stage(two, {"x_ref": "x"}, {"x_ref": 0.0})
+    assert bounds["x_ref"].acceleration == pytest.approx(0.5 * 2 * C * 2 * 2 * 2 / m)
 
 
 @pytest.mark.parametrize(("name", "shown"), [("planar_6dof_lqg", "z theta psi"), ("maglev_5dof", "y x z phi theta")])

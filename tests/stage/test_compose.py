@@ -393,5 +393,5 @@ def test_a_header_has_a_sentence_a_paragraph(tmp_path: Path) -> None:
     file.write_text("It rests\non its stop at {stop:g} mm.\n\nThen it lifts.\n")
     assert stage.read_header(file, stop=31.0) == ["It rests on its stop at 31 mm.", "Then it lifts."]
     for values in ({}, {"stop": 31.0, "gap": 2.0}):
-        with pytest.raises(DesignError, match=r"header.md: found values of .*, need those of its placeholders, .'stop'"):
+        with pytest.raises(DesignError, match=r"header.md: found values of .*, need those of its .*'stop'"):
             stage.read_header(file, **values)
