@@ -132,12 +132,8 @@ def build(stage: Stage) -> Task[Built]:
     except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (_draw, object()))
     limits = (stage.study, stage.require, stage.faults)
-    made_by = (stage.contents or no_contents, verdicts.of_build, verdicts.requirements, first_screen.put, __version__)
+    made_by = (stage.contents or tasks.nothing, verdicts.of_build, verdicts.requirements, first_screen.put, __version__)
     return Task("report", compute, (_draw, *made_by, limits, *keys))
-
-
-def no_contents() -> None:
-    """Stand for what a stage adds to the standard report where it adds nothing."""
 
 
 def _draw(stage: Stage, files: Any, evidence: Evidence, runs: Any, rows: Any, cost: Any) -> str:

@@ -74,9 +74,7 @@ def emission(stage: Stage, scalar: type[np.floating]) -> Task[dict[str, EmittedC
 def verification(stage: Stage, whole: bool) -> Task[Evidence]:
     """Return the task of comparing the witnesses, over the `whole` replay or a short one."""
     verify = stage.verify or standard.verify
-    return Task(
-        "verification", lambda say: verify(stage, say, whole), (verify, stage.stimuli or _nothing, stage, whole)
-    )
+    return Task("verification", lambda say: verify(stage, say, whole), (verify, stage.stimuli or nothing, stage, whole))
 
 
 def loops(stage: Stage) -> Task[Survey | None]:
@@ -120,7 +118,7 @@ def attempt(compute: Callable[[], T], part: str, otherwise: T) -> tuple[T, list[
 def faults(stage: Stage) -> Task[Campaign | None]:
     """Return the task of the basic faults on the nominal plant; its result is None for a design without a loop."""
     if not fault_jobs.closes_loop(stage):
-        return Task("faults", _nothing, (_nothing,))
+        return Task("faults", nothing, (nothing,))
     return Task("faults", lambda say: _campaign(stage), (_campaign, stage))
 
 
@@ -131,7 +129,7 @@ def _campaign(stage: Stage) -> Campaign:
 def brief_study(stage: Stage) -> Task[StudyTable | None]:
     """Return the task of a study on a few machines; its result is None for a design without experiments in lanes."""
     if not stage.all_experiments or not fault_jobs.closes_loop(stage):
-        return Task("study", _nothing, (_nothing,))
+        return Task("study", nothing, (nothing,))
     loop = _closed_loop(stage, StudyLimits(experiments=stage.study.experiments))
     return Task("study", lambda say: study_runs.brief(stage, say), (study_runs.brief, loop))
 
@@ -150,13 +148,13 @@ def audit(stage: Stage) -> Task[list[Row]]:
             raise Incomplete(rows, [of_error("audit", error)]) from error
         return rows
 
-    return Task("audit", compute, (stage.audit or _nothing, stage))
+    return Task("audit", compute, (stage.audit or nothing, stage))
 
 
 def brief_cost(stage: Stage) -> Task[Cost | None]:
     """Return the task of measuring the cost in a few seconds; its result is None for a design in double."""
     if stage.scalar is not np.float32:
-        return Task("cost", _nothing, (_nothing,))
+        return Task("cost", nothing, (nothing,))
     from synth.verify import meter
 
     def compute(say: Progress) -> Cost:
@@ -181,7 +179,7 @@ def _of_cost(stage: Stage) -> tuple[Any, ...]:
     from synth.verify import meter
 
     tasks = standard_tasks.replay_inputs, standard_tasks.cost_sequences, standard_tasks.law_alone
-    return (*tasks, meter.with_law_alone, stage.stimuli or _nothing, stage)
+    return (*tasks, meter.with_law_alone, stage.stimuli or nothing, stage)
 
 
 def whole_cost(stage: Stage) -> Task[Cost]:
@@ -223,5 +221,5 @@ def compilers() -> Sequence[tuple[str, ...]]:
     return [(*c.command, c.identity, *c.machine_flags) for c in available]
 
 
-def _nothing(say: Progress) -> None:
-    """Measure nothing."""
+def nothing(say: Progress) -> None:
+    """Stand for what a stage does not have: measure nothing, add nothing."""

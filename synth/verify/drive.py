@@ -28,6 +28,10 @@ from synth.statespace import Array
 from synth.verify import agree, sampling, suite
 from synth.verify.agree import Agreement
 
+LIMIT = 0.05  # of what the commands change: the details that only the driven plant has stay below
+LEAST_CHANGE = 1e-6  # of a rate: commands that change it less do not act on it
+SAMPLES = 40  # of each run
+
 
 def compare(
     companion: Companion,
@@ -52,11 +56,6 @@ def compare(
     pair = ("c64", double), ("c32", single)
     in_single = agree.compare(f"{label}, random steps", *pair, floor, companion.block, np.float32)
     return [*compared, *suite.replay(by, labelled, floor)], in_single
-
-
-LIMIT = 0.05  # of what the commands change: the details that only the driven plant has stay below
-LEAST_CHANGE = 1e-6  # of a rate: commands that change it less do not act on it
-SAMPLES = 40  # of each run
 
 
 def checks(rig: Rig, runs: Iterable[Trajectory]) -> list[Check]:
