@@ -7,6 +7,7 @@ after the latch may be committed as `SafeOutput`, which the C header and the man
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from fnmatch import fnmatchcase
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -89,6 +90,15 @@ class StudyLimits:
     least_yield: float = -inf
     limits: Mapping[str, float] = field(default_factory=dict)
     experiments: tuple[str, ...] = ()
+
+    def require_experiments(self, names: Sequence[str]) -> None:
+        """Raise DesignError for a pattern that names none of the experiments of a stage."""
+        for pattern in (*self.experiments, *self.limits):
+            if not any(fnmatchcase(name, pattern.partition(": ")[0]) for name in names):
+                raise DesignError(
+                    f"study: '{pattern}' names no experiment: write 'experiment: check' for a limit, with one of "
+                    f"{', '.join(names) or 'no experiment'}"
+                )
 
 
 Speeds = Mapping[str, float]

@@ -303,8 +303,15 @@ class Stage:
 
     @property
     def all_experiments(self) -> Sequence[Any]:
-        """The experiments and those of `runs`, which are imported for it."""
-        return (*self.experiments, *(self.runs() if self.runs else ()))
+        """The experiments and those of `runs`, which are imported for it, and with them the study can be checked.
+
+        Raises DesignError for a pattern of the study that names none of them.
+        """
+        if self.runs is None:
+            return self.experiments
+        every = (*self.experiments, *self.runs())
+        self.study.require_experiments([e.name for e in every])
+        return every
 
     @property
     def name(self) -> str:

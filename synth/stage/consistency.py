@@ -3,8 +3,6 @@
 Each check raises SignalError or DesignError where the design is made, before anything is computed or compiled.
 """
 
-from fnmatch import fnmatchcase
-
 import casadi as ca
 import numpy as np
 
@@ -31,7 +29,8 @@ def require_consistent(stage: Stage) -> None:
     _require_substeps(stage)
     _require_rates(stage)
     _require_known_inertias(stage)
-    _require_studied_experiments(stage)
+    if not stage.runs:  # else at their first use, which imports them
+        stage.study.require_experiments([e.name for e in stage.experiments])
     _require_reference(stage)
 
 
@@ -229,16 +228,3 @@ def _require_known_inertias(stage: Stage) -> None:
             known = ", ".join(positions) or "none"
             raise SignalError(f"inertias: '{q}' is not a position with a velocity: name one of {known}")
         stage.plant.parameter(parameter)
-
-
-def _require_studied_experiments(stage: Stage) -> None:
-    """Raise DesignError for a pattern of the study that names no experiment; `runs` are not imported for it."""
-    if stage.runs:
-        return
-    names = [e.name for e in stage.experiments]
-    for pattern in (*stage.study.experiments, *stage.study.limits):
-        if not any(fnmatchcase(name, pattern.partition(": ")[0]) for name in names):
-            raise DesignError(
-                f"study: '{pattern}' names no experiment: write 'experiment: check' for a limit, with one of "
-                f"{', '.join(names) or 'no experiment'}"
-            )

@@ -15,6 +15,7 @@ from synth.app import builds, commands, verdicts, workspace
 from synth.app.tasks import attempt
 from synth.base import store
 from synth.base.progress import silent
+from synth.declare.experiments import Run
 from synth.declare.fault_campaign import FaultCampaign, StudyLimits
 from synth.declare.stage import Stage
 from synth.errors import DesignError
@@ -216,6 +217,15 @@ def test_a_limit_of_the_study_takes_the_place_of_the_nominal_one() -> None:
         verdicts.with_limits(variant(study=StudyLimits(limits={"step_z_ref: stl*": 1.0})), table)
     with pytest.raises(DesignError, match=r"study: 'stp: \*' names no experiment: .* one of z_ref, x_ref"):
         consistency.require_consistent(variant(study=StudyLimits(limits={"stp: *": 1.0})))
+
+
+@pytest.mark.parametrize("study", [StudyLimits(experiments=("drfit*",)), StudyLimits(limits={"drfit*: reach": 1.0})])
+def test_a_pattern_of_the_study_that_names_no_run_is_refused(study: StudyLimits) -> None:
+    drift = Run("drift", lambda rig, name: None)
+    known = variant(study=StudyLimits(limits={"drift: *": 1.0}, experiments=("z_*",)), runs=lambda: [drift])
+    assert drift in known.all_experiments
+    with pytest.raises(DesignError, match=r"study: 'drfit\*.*' names no experiment: .* one of z_ref, x_ref, drift"):
+        replace(known, study=study).all_experiments  # noqa: B018
 
 
 def studied(values: Sequence[float]) -> StudyTable:
