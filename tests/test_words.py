@@ -65,7 +65,7 @@ QUESTIONS = frozenset(  # they return a truth value
     ]
 )
 DECORATORS = frozenset({"cached", "checked"})  # as `functools.cached_property`: they describe the decorated function
-NOUNS = frozenset({"coasting_speed", "r_squared"})  # no participles
+NOUNS = frozenset({"r_squared"})  # no participle
 
 
 def python() -> dict[str, str]:

@@ -11,7 +11,6 @@ from designs.planar_6dof.sensing import sections as sensing
 from models import halbach, papers, planar_stage
 from synth import stage
 from synth.blocks.faults import innovation_monitor
-from synth.declare.experiments import Run
 from synth.declare.fault_campaign import StudyLimits
 from synth.timing import Discrete
 
@@ -57,7 +56,7 @@ def design(
     time: Discrete,
     subject: Callable[[], Subject],
     gains: Callable[[], Mapping[str, Any]],
-    runs: Callable[[], Sequence[Run]],
+    runs: Callable[[], Sequence[Any]],
     rows: Callable[[Any], Iterator[Any]],
     contents: Callable[[stage.Stage, Any], Any],
     studied: Sequence[str] = (),

@@ -19,6 +19,7 @@ from designs.planar_6dof.interface import Subject
 from designs.planar_6dof.loop import Array, growing_circle, simulate
 from models import planar_stage
 from synth.check import Check
+from synth.simulate.faults import sensor_faults
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Override, Trajectory, sample_times
 from synth.timing import Discrete
@@ -96,13 +97,13 @@ def tour(duration_s: float, time: Discrete) -> dict[str, Array]:
 
 def record_runs(loop: Rig, step: float, replay_s: float) -> dict[str, Trajectory]:
     """Record the replayed runs: the tour, a saturated step, bad samples up to the latch, a stuck sensor."""
-    time = Discrete(loop.period_s)
+    time, sticks = Discrete(loop.period_s), failures.failures("stuck", failures.SPEED, sensors=["V_ax"])
     t = sample_times(SHORT, loop.period_s)
     return {
         f"replay of {replay_s:g} s": simulate(loop, replay_s, tour(replay_s, time), {}),
         "replay of a saturated step": simulate(loop, SHORT, {"x": np.where(t < 0.2, 0.0, step)}, {}),
         "replay of faults": simulate(loop, SHORT, tour(SHORT, time), {}, overrides=bad_samples(t)),
-        "replay of a sensor that sticks": failures.fail(loop, "V_ax", "stuck", speed=failures.SPEED).run,
+        "replay of a sensor that sticks": sensor_faults.responses(sticks, loop)[0].run,
     }
 
 

@@ -9,7 +9,6 @@ from designs.planar_6dof.interface import Subject
 from designs.planar_6dof_leadlag import control, reference
 from models import planar_stage
 from synth import stage
-from synth.declare.experiments import Run
 
 
 @cache
@@ -29,7 +28,7 @@ def gains() -> dict[str, Any]:
     }
 
 
-def runs() -> Sequence[Run]:
+def runs() -> Sequence[Any]:
     """Return the experiments; they are imported here, since an import of the design simulates nothing."""
     from designs.planar_6dof_leadlag import experiments
 

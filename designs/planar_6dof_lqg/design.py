@@ -11,7 +11,6 @@ from designs.planar_6dof_lqg import reference
 from models import planar_stage
 from synth import stage
 from synth.block import Block
-from synth.declare.experiments import Run
 from synth.statespace import Array
 from synth.synthesise import digits
 
@@ -75,7 +74,7 @@ def _axis(axis: lqg.Axis) -> dict[str, Any]:
     }
 
 
-def runs() -> Sequence[Run]:
+def runs() -> Sequence[Any]:
     """Return the experiments; they are imported here, since an import of the design simulates nothing."""
     from designs.planar_6dof_lqg import experiments
 

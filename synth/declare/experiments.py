@@ -4,13 +4,14 @@
     Track         moving set-points:          mean |y - r| of the true positions, after the initial transient
     Hold          constant set-points:        max |y - r| under disturbances, after the initial transient
     LiftOff       start at another position:  set-points ramp from there; overshoot / travel, max |y - r| at the end
+    SensorFaults  each sensor fails alone:      samples to its name, to braking and to the latch; commands after it
     Run           what a function of the stage runs
 
 Conditions of an experiment are its initial state, time profiles of disturbances, and changed parameters. It is run by
 `synth.simulate.experiments`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -167,6 +168,48 @@ class LiftOff:
     def name(self) -> str:
         """The label."""
         return self.label
+
+
+@dataclass(frozen=True, eq=False)
+class SensorFaults:
+    """Each of `sensors` fails alone, from `at_s` to the end, in each of `motions`; no fault bit is set before.
+
+    `kind` is a fault of a campaign's sensors, or "zero" (`simulate.faults.fault_effects`). A motion gives profiles of
+    set-points, at whose start the run starts at rest. The guard refuses the readings at once: the controller brakes or
+    latches with the last of the interface's bad samples, and commands go to their safe values as declared.
+
+    For a fault that it does not refuse, `contradicted(rig, run)` returns the samples (N,) of a `Trajectory` in which a
+    law can know of it. From the first of them on the sensor is named, or it brakes or latches, within `isolation`
+    samples, and the latch follows that by as many as for refused readings. At most `unnoticed` runs end without a
+    latch. `words` stand for sensor, command and contradiction in names, `shown` are the columns of the plot.
+
+    Raises SignalError without sensors or motions, and for a fault that does not begin within the run.
+    """
+
+    kind: str
+    sensors: Sequence[str]
+    at_s: float
+    duration_s: float
+    motions: Sequence[Mapping[str, Course]] = ({},)
+    contradicted: Callable[[Any, Any], ArrayLike] | None = None
+    isolation: int = 0
+    unnoticed: float = 0.0
+    words: tuple[str, str, str] = ("sensor", "command", "contradiction")
+    shown: tuple[str, ...] = ()
+    title: str = ""
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        if not (self.sensors and self.motions and 0 < self.at_s < self.duration_s):
+            raise SignalError(
+                f"{self.name}: {len(self.sensors)} sensors, {len(self.motions)} motions, a fault from {self.at_s:g} s "
+                f"on in {self.duration_s:g} s: give at least one of each, and a fault that begins within the run"
+            )
+
+    @property
+    def name(self) -> str:
+        """The label, or the kind of the fault."""
+        return self.label or f"sensors_{self.kind.replace(' ', '_')}"
 
 
 @dataclass(frozen=True)

@@ -25,11 +25,12 @@ from numpy.typing import ArrayLike, NDArray
 from synth import check, show
 from synth.base.progress import each
 from synth.check import Check, Incomplete, of_error
-from synth.declare.experiments import Conditions, Hold, LiftOff, Ramp, StepResponse, Track
+from synth.declare.experiments import Conditions, Hold, LiftOff, Ramp, SensorFaults, StepResponse, Track
 from synth.errors import SignalError
 from synth.execute import host, recorder
 from synth.signals import Signal
 from synth.simulate import conditions, metrics
+from synth.simulate.faults import sensor_faults
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
 
@@ -192,11 +193,24 @@ def _lift_off(lift_off: LiftOff, rig: Rig) -> Experiment:
     return _experiment(rig, lift_off.name, f"Start{lift_off.conditions.text()}", trajectory, shown, {}, checks)
 
 
+def _sensor_faults(faults: SensorFaults, rig: Rig) -> Experiment:
+    """Run each fault in each motion; shown is the run with the largest excursion before the latch."""
+    responses = sensor_faults.responses(faults, rig)
+    worst, (sensor, *_) = sensor_faults.worst(responses), faults.words
+    title = faults.title or f"{sensor}s fail, {faults.kind}"
+    alone = f"each of {len(faults.sensors)} {sensor}s by itself from {faults.at_s:g} s on"
+    about = f"{alone}, {len(faults.motions)} motions; shown is {worst.sensor}"
+    shown, figures = faults.shown or tuple(worst.deviations), sensor_faults.figures(faults, responses)
+    checks = tuple(sensor_faults.checks(faults, responses))
+    return Experiment(faults.name, title, about, worst.run, shown, {}, figures, checks)
+
+
 _RUNS: Mapping[type, Callable[[Any, Rig], Experiment]] = {
     StepResponse: _step_response,
     Track: _track,
     Hold: _hold,
     LiftOff: _lift_off,
+    SensorFaults: _sensor_faults,
 }
 
 

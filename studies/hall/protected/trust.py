@@ -26,8 +26,6 @@ from studies.hall import built_matrix, hall_bench
 from studies.hall.protected import faults
 from synth.errors import ModelError
 from synth.execute import host
-from synth.simulate.faults import failure_experiments
-from synth.simulate.faults.failure_experiments import GroupFailure
 from synth.statespace import Array
 
 WRONG, WRONG_YAW, SIGMAS = 5e-4, 0.02, 4.0  # m, rad, deviations
@@ -193,7 +191,7 @@ def simulate(
     travel = speed * (BEFORE + AFTER) * TIME.period_s
     start, other = draw(REACH - travel, bodies, rng, yaw), draw(REACH, bodies, rng, yaw)
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
-    failure = GroupFailure(chosen, sensor, _second(bodies, rng), kept)
+    failure = faults.Failure(chosen, sensor, _second(bodies, rng), kept)
     states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []
     rest = of.read(start) if speed == 0 else None
     for k in range(BEFORE + AFTER):
@@ -202,8 +200,8 @@ def simulate(
         V = V + config.array().deviation * rng.standard_normal(V.shape)
         if k >= BEFORE:
             failure.corrupt(V, k - BEFORE)
-        elif failure_experiments.is_frozen(fault):
-            failure = replace(failure, kept=failure.of_group(V))
+        elif fault not in faults.LASTING:
+            failure = replace(failure, kept=failure.of_sensor(V))
         batch = controller.batch(states, motions.by_input(np.clip(V, -faults.END, faults.END)))
         states = batch.states
         if k >= BEFORE:
@@ -211,11 +209,11 @@ def simulate(
     return Samples(*(np.array(each) for each in zip(*outcomes, strict=True)))
 
 
-def fail(fault: str, of: World, bodies: int, rng: np.random.Generator) -> GroupFailure:
+def fail(fault: str, of: World, bodies: int, rng: np.random.Generator) -> faults.Failure:
     """Return a failure of a random sensor of each body; one that is stuck keeps its voltages at another place."""
     sensor, other = rng.integers(of.sensors, size=bodies), draw(REACH, bodies, rng)
     kept = of.read(other)[np.arange(bodies), sensor]
-    return GroupFailure(faults.find(fault), sensor, _second(bodies, rng), kept)
+    return faults.Failure(faults.find(fault), sensor, _second(bodies, rng), kept)
 
 
 def _second(bodies: int, rng: np.random.Generator) -> NDArray[np.int_]:

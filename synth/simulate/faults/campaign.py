@@ -165,9 +165,9 @@ def motion_and_standstill(rig: Rig) -> tuple[Condition, ...]:
     courses_at_rest = [_hold(rig, point, samples) for point in campaign.operating_points.values()]
     return (
         still,
-        Condition(IN_MOTION, duration, _start(rig, courses), courses, onsets),
+        Condition(IN_MOTION, duration, start_of(rig, courses), courses, onsets),
         *(
-            Condition(name, rest_s, _start(rig, held), held, (first_onset,))
+            Condition(name, rest_s, start_of(rig, held), held, (first_onset,))
             for name, held in zip(names[2:], courses_at_rest, strict=True)
         ),
     )
@@ -210,7 +210,7 @@ def _course(rig: Rig, name: str, time: Array) -> Array:
     return course
 
 
-def _start(rig: Rig, courses: Mapping[str, Array]) -> dict[str, float]:
+def start_of(rig: Rig, courses: Mapping[str, Array]) -> dict[str, float]:
     """Return the initial state: each position starts at the first value of its set-point."""
     states = [s.name for s in rig.plant.states]
     return {rig.positions[name]: float(r[0]) for name, r in courses.items() if rig.positions[name] in states}
@@ -276,10 +276,10 @@ def inject(
     notice, latch = _first(_all_bits(faulty) & ~_all_bits(healthy)), _first(new_bits >> LATCH_BIT & 1)
     notice_s, latch_s = (np.inf if k is None else (k - onset) * rig.period_s for k in (notice, latch))
     bits_to_latch = int(np.bitwise_or.reduce(new_bits[: None if latch is None else latch + 1], initial=0))
-    input_bits = _input_bits(rig)
-    named = {name for name, bits in input_bits.items() if bits_to_latch & bits}
+    of_inputs = input_bits(rig)
+    named = {name for name, bits in of_inputs.items() if bits_to_latch & bits}
     targets = {*injection.targets, *_count_of_calls(rig, injection)}
-    identified = targets & set(input_bits)
+    identified = targets & set(of_inputs)
     impacts = {q: v if v > healthy.impacts[q] else 0.0 for q, v in faulty.impacts.items()}
     same = np.array_equal(healthy.faults, faulty.faults) and all(
         np.array_equal(healthy.states[s], faulty.states[s]) for s in healthy.states
@@ -307,7 +307,7 @@ def _all_bits(run: Trajectory) -> NDArray[np.uint32]:
     return np.bitwise_or.reduce([run.faults, *run.drive_faults.values()])
 
 
-def _input_bits(rig: Rig) -> dict[str, int]:
+def input_bits(rig: Rig) -> dict[str, int]:
     """Return the bits of the fault word that identify each controller input, as out of range or as a suspect."""
     words: dict[str, int] = {}
     for fault in rig.controller.manifest["faults"]:

@@ -2,7 +2,8 @@
 
     not finite, out of range     the reading is NaN, or a tenth of the range above its end
     intermittent                 NaN, but for the last of every n samples, n bad samples in a row being those that latch
-    frozen, late, repeated       the reading of the onset, of one sample ago, of the last of every n samples
+    zero                         the reading is 0; in experiments, not in a campaign
+    frozen, late, repeated       the last reading before the onset, that of one sample ago, the last of every n samples
     offset, drift, noise         added to what the sensor sees, before its resolution
     bit flipped, bit stuck       a bit of the sensor's word is inverted, or stays at what it is not at the onset
     jump, refused                the set-point moves towards the farther end of its range, and not beyond; it is NaN
@@ -106,7 +107,7 @@ def _out_of_range(at: Onset, name: str) -> Fields:
 
 
 def _frozen(at: Onset, sensor: str) -> Fields:
-    return {"lags": {sensor: np.where(at.active, at.since + 1, 0)}}
+    return _override(at, sensor, at.healthy.measured[sensor][at.first - 1])
 
 
 def _late(at: Onset, sensor: str) -> Fields:
@@ -185,6 +186,7 @@ _EFFECTS: Mapping[str, Mapping[str, Effect]] = {
         "not finite": _lost,
         "out of range": _out_of_range,
         "intermittent": _intermittent,
+        "zero": lambda at, s: _override(at, s, 0.0),
         "frozen": _frozen,
         "offset": _offset,
         "drift": _drift,
@@ -206,6 +208,7 @@ _EFFECTS: Mapping[str, Mapping[str, Effect]] = {
         "delayed": _delayed_calls,
     },
 }
+SENSOR_KINDS = tuple(_EFFECTS[injections.SENSOR])
 _PAIRS: Mapping[str, tuple[Effect, Effect]] = {
     "both lost": (_lost, _lost),
     "lost and frozen": (_lost, _frozen),

@@ -17,8 +17,10 @@ from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import halbach, planar_stage
 from synth.blocks.faults import innovation_monitor
 from synth.fault import BRAKING_BIT, LATCH_BIT
+from synth.simulate import experiments
 from synth.simulate.experiments import Experiment
-from synth.simulate.faults.failure_experiments import Failure
+from synth.simulate.faults import sensor_faults
+from synth.simulate.faults.sensor_faults import Response
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 
@@ -49,7 +51,7 @@ def all_runs(lead: Rig, optimal: Rig) -> Runs:
     """Return every experiment but those over the finite matrix, which `test_finite` runs."""
     runs = {"leadlag": (leadlag_experiments.ALL, lead), "lqg": (lqg_experiments.ALL, optimal)}
     return {
-        name: {e.name: e.run(loop) for e in every if not e.name.endswith("_finite")}
+        name: {e.name: experiments.result(e, loop) for e in every if not e.name.endswith("_finite")}
         for name, (every, loop) in runs.items()
     }
 
@@ -169,19 +171,20 @@ def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Rig
         np.testing.assert_allclose(run["true_i_CA"], expected, rtol=0.01)  # the platen gives way
 
 
+def fail(loop: Rig, channel: str, kind: str, speed: failures.Place = failures.REST) -> Response:
+    (response,) = sensor_faults.responses(failures.failures(kind, speed, sensors=[channel]), loop)
+    return response
+
+
+def caught(f: Response, kind: str) -> set[str]:
+    return {c.name for c in sensor_faults.checks(failures.failures(kind), [f]) if not c.passed}
+
+
 def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
-    for channel in failures.HALL:
-        f = failures.fail(lead, channel, "nan")
-        assert (
-            f.samples_to_detection == 0
-            and f.samples_to_latch == 4 + interface.BRAKING
-            and not f.others
-            and f.contradicted is None
-        )
-    for channel in failures.HALL:  # at rest, where no motion shows it
-        f = failures.fail(lead, channel, "stuck")
-        assert f.samples_to_detection is not None and not f.others
-        assert f.samples_to_detection <= innovation_monitor.longest(len(failures.HALL), sections.REPEATS) + 3
+    for f in sensor_faults.responses(failures.failures("nan"), lead):
+        assert f.detection == 0 and f.latch == 4 + interface.BRAKING and not f.others and f.contradicted == np.inf
+    for f in sensor_faults.responses(failures.failures("stuck"), lead):  # at rest, where no motion shows it
+        assert not f.others and f.detection <= innovation_monitor.longest(len(failures.HALL), sections.REPEATS) + 2
 
 
 def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
@@ -206,21 +209,19 @@ ISOLATION = "samples from a residual out of bounds to the"
 
 def test_late_braking_and_a_late_latch_after_it_are_caught(optimal: Rig) -> None:
     """The planted defects: a failure that is counted from a sample earlier, one that never brakes or never latches."""
-    f, zero = (failures.fail(optimal, "V_cx", kind, speed=failures.SPEED) for kind in ("nan", "zero"))
+    f, zero = (fail(optimal, "V_cx", kind, failures.SPEED) for kind in ("nan", "zero"))
     braking, latch = f"{ISOLATION} channel's name, braking or the latch", f"{ISOLATION} latch"
 
-    def caught(f: Failure, kind: str) -> set[str]:
-        return {c.name for c in failures.checks([f], kind) if not c.passed}
-
-    def without(f: Failure, *bits: int) -> Failure:
+    def without(f: Response, *bits: int) -> Response:
         faults = f.run.faults & np.uint32(0xFFFFFFFF - sum(1 << b for b in bits))
         return replace(f, run=replace(f.run, faults=faults))
 
-    assert f.samples_to_braking == 4 and f.samples_to_latch == 4 + interface.BRAKING == 4 + f.braking
-    assert not caught(f, "nan") and not caught(zero, "zero") and zero.contradicted is not None
+    assert f.brakes == 4 and f.latch == 4 + interface.BRAKING == 4 + f.interface.braking
+    assert not caught(f, "nan") and not caught(zero, "zero") and zero.contradicted < np.inf
     early = replace(f, sample=f.sample - 1)
     assert caught(early, "nan") == {"samples until it brakes", "samples until the latch"}
-    assert caught(replace(f, braking=f.braking - 1), "nan") == {"samples until the latch"}
+    hasty = replace(f, interface=replace(f.interface, braking=f.interface.braking - 1))
+    assert caught(hasty, "nan") == {"samples until the latch"}
     assert caught(without(f, BRAKING_BIT), "nan") == {"samples until it brakes"}
     assert caught(without(zero, LATCH_BIT), "zero") >= {latch, "channels whose failure is not noticed"}
     named = [b for b in range(BRAKING_BIT) if zero.bits["V_cx"] >> b & 1]
@@ -228,27 +229,25 @@ def test_late_braking_and_a_late_latch_after_it_are_caught(optimal: Rig) -> None
 
 
 def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Rig) -> None:
-    def caught(f: Failure, kind: str = "nan") -> set[str]:
-        return {c.name for c in failures.checks([f], kind) if not c.passed}
-
-    good = failures.fail(lead, "V_cx", "nan", speed=failures.SPEED)
+    good = fail(lead, "V_cx", "nan", failures.SPEED)
     run, sample = good.run, good.sample
 
     before = np.arange(len(run.time)) < sample + 4 + interface.BRAKING
     still = {name: np.full(len(before), 0.1) for name in ACTUATORS}
     gone = {name: np.where(before, 0.5, 0.0) for name in ACTUATORS}
-    assert not caught(good) and 0 < good.max_slew_rate() <= failures.SLEW
-    assert caught(replace(good, run=replace(run, commands=gone))) == {"change of a current from the latch on"}
-    assert caught(replace(good, run=replace(run, commands=still))) == {"current left at the end after a latch"}
-    assert caught(replace(good, sample=sample - 1)) == {"samples until it brakes", "samples until the latch"}
-    assert caught(replace(good, sample=sample + 1)) == {"samples with a fault before the failure"}
-    early = failures.fail(lead, "V_cx", "zero", speed=failures.SPEED)
-    assert early.contradicted is not None
+    assert not caught(good, "nan")
+    assert all(0 < good.slew_rate(a) <= interface.SLEW * (1 + 1e-5) for a in good.interface.actuators)
+    assert caught(replace(good, run=replace(run, commands=gone)), "nan") == {"change of a current from the latch on"}
+    assert caught(replace(good, run=replace(run, commands=still)), "nan") == {"current left at the end after a latch"}
+    assert caught(replace(good, sample=sample - 1), "nan") == {"samples until it brakes", "samples until the latch"}
+    assert caught(replace(good, sample=sample + 1), "nan") == {"samples with a fault before the failure"}
+    early = fail(lead, "V_cx", "zero", failures.SPEED)
+    assert early.contradicted < np.inf
     for ahead, expected in (
         (3, set()),
         (4, {f"{ISOLATION} channel's name, braking or the latch", f"{ISOLATION} latch"}),
     ):
         assert caught(replace(early, contradicted=early.contradicted - ahead), "zero") == expected
-    stuck = failures.fail(lead, "V_ax", "stuck")
+    stuck = fail(lead, "V_ax", "stuck")
     unseen = replace(stuck, run=replace(stuck.run, faults=np.zeros_like(stuck.run.faults)))
     assert not caught(stuck, "stuck") and caught(unseen, "stuck") == {"channels whose failure is not noticed"}

@@ -11,6 +11,7 @@ from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
 from synth import show
 from synth.report import page
+from synth.simulate import experiments
 from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from tests.designs.planar_6dof import short_runs
@@ -25,7 +26,7 @@ def lead() -> Rig:
 
 @pytest.fixture(scope="module")
 def runs(lead: Rig) -> list[Experiment]:
-    return [*short_runs.runs(lead), failures.ALL[0].run(lead)]
+    return [*short_runs.runs(lead), experiments.result(failures.ALL[0], lead)]
 
 
 def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensors(runs: list[Experiment]) -> None:

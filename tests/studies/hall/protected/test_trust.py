@@ -13,7 +13,6 @@ from studies.hall.protected import cold_start, faults, trust
 from studies.hall.protected.trust import Outcome
 from synth.errors import ModelError
 from synth.execute import host
-from synth.simulate.faults import failure_experiments
 
 pytestmark = pytest.mark.whole
 
@@ -52,8 +51,7 @@ def test_calibrated_no_fault_of_one_of_three_sensors_misleads(fault: str, speed:
 @pytest.mark.parametrize("offset", [0.02, 0.05, 0.1, 0.2])
 def test_no_size_of_an_offset_misleads_three_sensors(offset: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """The levels allow 1.5 mm; an offset that passes the test moves the estimate less, mostly."""
-    other = failure_experiments.faults(offset, faults.DRIFT, faults.END, "voltage", "sensor")
-    monkeypatch.setattr(faults, "FAULTS", other)
+    monkeypatch.setitem(faults.FAULTS, "offset", faults.offset(offset))
     outcome = trust.run(config.CALIBRATED_THREE, "calibrated", "offset", BODIES, name=config.THREE).outcome()
     assert outcome.wrong < WRONG_OF_THREE
 
