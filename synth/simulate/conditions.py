@@ -83,14 +83,23 @@ def set_point(interface: Interface, name: str) -> SetPoint:
     return points[name]
 
 
-def require_in_range(name: str, course: Array, point: SetPoint, unit: str) -> None:
-    """Raise SignalError for a course of a set-point that leaves its range, where the guard would refuse it."""
-    worst = _farthest(course, point.low, point.high)
-    if not point.low <= worst <= point.high:
-        raise SignalError(
-            f"the course of set-point '{name}' reaches {worst:g} {unit}; its range is {point.low:g} .. {point.high:g} "
-            f"{unit}: give a smaller step or motion, or the set-point a wider range"
-        )
+def profiles(interface: Interface, courses: Mapping[str, Course], time: Array) -> dict[str, Array]:
+    """Return the values of set-points at times (N,).
+
+    Raises SignalError for another name, for a set-point that leaves its range, where the guard would refuse it, and as
+    `values`.
+    """
+    known = {}
+    for name, course in courses.items():
+        point, unit = set_point(interface, name), interface.signals[name].unit
+        known[name] = values(course, time)
+        worst = _farthest(known[name], point.low, point.high)
+        if not point.low <= worst <= point.high:
+            raise SignalError(
+                f"the course of set-point '{name}' reaches {worst:g} {unit}; its range is {point.low:g} .. "
+                f"{point.high:g} {unit}: give a smaller step or motion, or the set-point a wider range"
+            )
+    return known
 
 
 def _farthest(course: Array, low: float, high: float) -> float:

@@ -241,11 +241,10 @@ def run(rig: Rig, experiments: Sequence[Any], progress: Callable[[str], None]) -
 
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
     time, interface = sample_times(duration_s, rig.period_s), rig.stage.interface
-    for name, course in courses.items():
-        conditions.require_in_range(name, course, _set_point(rig, name), interface.signals[name].unit)
+    profiles = conditions.profiles(interface, courses, time)
     forcing = conditions.forcing(rig.plant, interface.disturbances, under.disturbances, time)
     plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant
-    return replace(rig, plant=plant).run(duration_s, under.start, courses, **{"forcing": forcing, **under.options})
+    return replace(rig, plant=plant).run(duration_s, under.start, profiles, **{"forcing": forcing, **under.options})
 
 
 def _set_point(rig: Rig, name: str) -> Any:

@@ -21,11 +21,6 @@ Fault = Callable[[Values, Values, int | Values], Values]
 OFFSET, DRIFT, END = 0.3, 0.02, 5.0  # V, V a sample, V
 
 
-def offset(volts: float) -> Fault:
-    """Return a fault that adds so many volts to the first voltage."""
-    return _of_first(lambda y, kept, k: y + volts)
-
-
 def _of_first(value: Callable[[Values, Values, int | Values], Values | float]) -> Fault:
     def fault(y: Values, kept: Values, k: int | Values) -> Values:
         failed = y.copy()
@@ -42,7 +37,7 @@ FAULTS: dict[str, Fault] = {
     "stuck voltage": _of_first(lambda y, kept, k: kept),
     "stuck sensor": lambda y, kept, k: kept,
     "saturated": _of_first(lambda y, kept, k: END),
-    "offset": offset(OFFSET),
+    "offset": _of_first(lambda y, kept, k: y + OFFSET),
     "halved voltage": _of_first(lambda y, kept, k: y / 2),
     "halved sensor": lambda y, kept, k: y / 2,
     "drift": _of_first(lambda y, kept, k: y + DRIFT * k),

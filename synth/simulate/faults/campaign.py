@@ -195,19 +195,10 @@ def _motion(rig: Rig, time: Array) -> dict[str, Array]:
     """Return the declared motion, or by default a sine about rest for each set-point."""
     campaign, points = rig.stage.faults, rig.stage.interface.set_points
     if campaign.motion:
-        return {name: _course(rig, name, time) for name in campaign.motion}
+        return conditions.profiles(rig.stage.interface, campaign.motion, time)
     rest, frequency = rig.at_rest(), 2 * np.pi / campaign.period_s
     amplitudes = {s.name: SWING * max(min(s.high - rest[s.name], rest[s.name] - s.low), 0.0) for s in points}
     return {name: rest[name] + amplitude * np.sin(frequency * time) for name, amplitude in amplitudes.items()}
-
-
-def _course(rig: Rig, name: str, time: Array) -> Array:
-    """Return the declared motion of a set-point; raise SignalError for an unknown one, and beyond its range."""
-    interface = rig.stage.interface
-    point = conditions.set_point(interface, name)
-    course = conditions.values(rig.stage.faults.motion[name], time)
-    conditions.require_in_range(name, course, point, interface.signals[name].unit)
-    return course
 
 
 def start_of(rig: Rig, courses: Mapping[str, Array]) -> dict[str, float]:

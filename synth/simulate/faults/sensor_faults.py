@@ -136,10 +136,7 @@ def _in_motion(
     onset, bits = int(np.searchsorted(time, declared.at_s)), campaign.input_bits(rig)
     if not 0 < onset < len(time):
         raise SignalError(f"{declared.name}: from {declared.at_s:g} s on no sample is faulty, or all are: give another")
-    profiles = {name: conditions.values(course, time) for name, course in motion.items()}
-    for name, course in profiles.items():
-        point = conditions.set_point(interface, name)
-        conditions.require_in_range(name, course, point, interface.signals[name].unit)
+    profiles = conditions.profiles(interface, motion, time)
     start, set_points = campaign.start_of(rig, profiles), profiles or rig.set_points_at({})
     courses = {rig.positions[name]: course for name, course in set_points.items()}
     spans = {rig.positions[s.name]: s.high - s.low for s in interface.set_points if s.name in set_points}
@@ -151,17 +148,11 @@ def _in_motion(
         deviations = {q: np.abs(run[q] - course) for q, course in courses.items()}
         speeds = {q: abs(float(run[rates[q]][-1])) for q in courses if q in rates}
         response = Response(sensor, onset, run, interface, bits, deviations, spans, speeds)
-        made.append(_with_contradiction(response, declared, rig))
+        if declared.contradicted is not None:
+            flags = np.asarray(declared.contradicted(rig, run)) & (np.arange(len(time)) >= onset)
+            response = replace(response, contradicted=response.first(flags[: response.end + 1]))
+        made.append(response)
     return made
-
-
-def _with_contradiction(response: Response, declared: SensorFaults, rig: Rig) -> Response:
-    if declared.contradicted is None:
-        return response
-    flags = np.asarray(declared.contradicted(rig, response.run)) & (
-        np.arange(len(response.run.time)) >= response.sample
-    )
-    return replace(response, contradicted=response.first(flags[: len(response.words)]))
 
 
 def worst(of: Sequence[Response]) -> Response:

@@ -226,28 +226,3 @@ def test_late_braking_and_a_late_latch_after_it_are_caught(optimal: Rig) -> None
     assert caught(without(zero, LATCH_BIT), "zero") >= {latch, "channels whose failure is not noticed"}
     named = [b for b in range(BRAKING_BIT) if zero.bits["V_cx"] >> b & 1]
     assert caught(without(zero, BRAKING_BIT, *named), "zero") >= {braking}
-
-
-def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Rig) -> None:
-    good = fail(lead, "V_cx", "nan", failures.SPEED)
-    run, sample = good.run, good.sample
-
-    before = np.arange(len(run.time)) < sample + 4 + interface.BRAKING
-    still = {name: np.full(len(before), 0.1) for name in ACTUATORS}
-    gone = {name: np.where(before, 0.5, 0.0) for name in ACTUATORS}
-    assert not caught(good, "nan")
-    assert all(0 < good.slew_rate(a) <= interface.SLEW * (1 + 1e-5) for a in good.interface.actuators)
-    assert caught(replace(good, run=replace(run, commands=gone)), "nan") == {"change of a current from the latch on"}
-    assert caught(replace(good, run=replace(run, commands=still)), "nan") == {"current left at the end after a latch"}
-    assert caught(replace(good, sample=sample - 1), "nan") == {"samples until it brakes", "samples until the latch"}
-    assert caught(replace(good, sample=sample + 1), "nan") == {"samples with a fault before the failure"}
-    early = fail(lead, "V_cx", "zero", failures.SPEED)
-    assert early.contradicted < np.inf
-    for ahead, expected in (
-        (3, set()),
-        (4, {f"{ISOLATION} channel's name, braking or the latch", f"{ISOLATION} latch"}),
-    ):
-        assert caught(replace(early, contradicted=early.contradicted - ahead), "zero") == expected
-    stuck = fail(lead, "V_ax", "stuck")
-    unseen = replace(stuck, run=replace(stuck.run, faults=np.zeros_like(stuck.run.faults)))
-    assert not caught(stuck, "stuck") and caught(unseen, "stuck") == {"channels whose failure is not noticed"}

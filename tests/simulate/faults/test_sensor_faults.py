@@ -80,7 +80,7 @@ def test_each_check_fails_for_its_defect(lost: Response, frozen: Response) -> No
         "command left at the end after a latch",
     }
     noticed = replace(lost, contradicted=0.0)
-    assert failing(noticed, KNOWN) == set()
+    assert failing(noticed, KNOWN) == failing(replace(noticed, contradicted=-2.0), KNOWN) == set()
     assert failing(replace(noticed, contradicted=-3.0), KNOWN) == {NAMED, LATCHED}
     never = replace(noticed, run=replace(lost.run, faults=lost.run.faults & ~np.uint32(1 << LATCH_BIT)))
     assert failing(never, KNOWN) == {LATCHED, "sensors whose failure is not noticed"}

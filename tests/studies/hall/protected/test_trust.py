@@ -51,7 +51,7 @@ def test_calibrated_no_fault_of_one_of_three_sensors_misleads(fault: str, speed:
 @pytest.mark.parametrize("offset", [0.02, 0.05, 0.1, 0.2])
 def test_no_size_of_an_offset_misleads_three_sensors(offset: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """The levels allow 1.5 mm; an offset that passes the test moves the estimate less, mostly."""
-    monkeypatch.setitem(faults.FAULTS, "offset", faults.offset(offset))
+    monkeypatch.setattr(faults, "OFFSET", offset)
     outcome = trust.run(config.CALIBRATED_THREE, "calibrated", "offset", BODIES, name=config.THREE).outcome()
     assert outcome.wrong < WRONG_OF_THREE
 
