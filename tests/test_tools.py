@@ -25,7 +25,6 @@ OTHER_SKIPS = {
     "tests/test_kernels.py",
     "tests/app/test_study_jobs.py",
     "tests/export/harness.py",  # Linux, another user, glibc
-    "tests/export/test_hardware.py",
     "tests/export/test_machine.py",
     "tests/export/test_protocol.py",
 }
