@@ -7,6 +7,8 @@
 
 #include "exchange.h"
 
+#define REALTIME_PRIORITY 80 /* below the kernel's own threads at 99; the watchdog has one more */
+
 /* Ask for SCHED_FIFO, locked memory and a processor (-1: any). What is refused is said, and the loop goes on. */
 void realtime_become(int cpu);
 

@@ -1,8 +1,10 @@
 #include "watchdog.h"
 
+#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <time.h>
 
@@ -38,11 +40,14 @@ static void make_safe(machine_t *machine, const io_t *io)
 
 int watchdog_run(shared_t *shared, const io_t *io, pid_t loop, double stall_s)
 {
+    const struct sched_param above = {.sched_priority = REALTIME_PRIORITY + 1};
     struct sigaction action = {.sa_handler = forward};
     uint64_t last = 0u;
     int64_t since = realtime_now();
     int status;
     loop_process = (sig_atomic_t)loop;
+    (void)sched_setscheduler(0, SCHED_FIFO, &above); /* where it is refused, so it is to the loop, which says so */
+    (void)mlockall(MCL_CURRENT | MCL_FUTURE);
     (void)sigaction(SIGTERM, &action, NULL);
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGHUP, &action, NULL);
