@@ -21,20 +21,6 @@ void machine_init(machine_t *machine, int prompt)
     *machine = (machine_t){.phase = WAITING, .prompt = prompt, .rate = 1.0};
 }
 
-/* Count the samples in which every sensor is good, and those in which none has moved. */
-static void look(machine_t *machine, const double sensors[])
-{
-    int good = 1, quiet = 1;
-    for (int i = 0; i < N_SENSORS; i++) {
-        good &= sensors[i] >= SENSORS[i].low && sensors[i] <= SENSORS[i].high;
-        quiet &= fabs(sensors[i] - machine->at_rest[i]) <= SENSORS[i].rest;
-    }
-    machine->good = good ? machine->good + 1u : 0u;
-    machine->quiet = (good && quiet) ? machine->quiet + 1u : 0u;
-    if (!quiet) memcpy(machine->at_rest, sensors, sizeof machine->at_rest);
-    memcpy(machine->sensors, sensors, sizeof machine->sensors);
-}
-
 int machine_is_moving(const machine_t *machine)
 {
     return machine->motion.kind != MOTION_NONE;
@@ -47,13 +33,13 @@ int machine_may_end(const machine_t *machine)
 
 int machine_may_start(const machine_t *machine)
 {
-    return machine_may_end(machine) && machine->quiet >= SAMPLES(REST_S);
+    return machine_may_end(machine) && machine->rest.quiet >= SAMPLES(REST_S);
 }
 
 /* 1 where the amplifiers may go off: not under a machine in flight whose safe output lowers it. */
 static int may_disable(const machine_t *machine)
 {
-    return STAGE_SAFE_IS_OFF || (STAGE_RESTS_OFF && machine->quiet >= SAMPLES(REST_S));
+    return STAGE_SAFE_IS_OFF || (STAGE_RESTS_OFF && machine->rest.quiet >= SAMPLES(REST_S));
 }
 
 static void enter(machine_t *machine, phase_t phase)
@@ -163,17 +149,18 @@ static void reset(machine_t *machine)
 
 void machine_sample(machine_t *machine, const double sensors[], double missed)
 {
-    look(machine, sensors);
+    rest_look(&machine->rest, sensors);
+    memcpy(machine->sensors, sensors, sizeof machine->sensors);
     machine->since += 1u;
-    if (machine->phase == WAITING && machine->good > 0u) {
+    if (machine->phase == WAITING && machine->rest.good > 0u) {
         machine->enabled = !(STAGE_SAFE_IS_OFF || STAGE_RESTS_OFF);
         reset(machine);
         if (machine->prompt) start(machine);
-        else if (machine->good >= SAMPLES(GOOD_S) && machine->quiet >= SAMPLES(REST_S)) {
+        else if (machine->rest.good >= SAMPLES(GOOD_S) && machine->rest.quiet >= SAMPLES(REST_S)) {
             machine->enabled = 1;
             enter(machine, ENABLING);
         }
-    } else if (machine->phase == ENABLING && machine->good == 0u) {
+    } else if (machine->phase == ENABLING && machine->rest.good == 0u) {
         stop(machine, "a sensor failed before the start", 1);
     } else if (machine->phase == ENABLING && machine->since >= SAMPLES(ENABLE_S)) {
         reset(machine);

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "motion.h"
+#include "rest.h"
 #include "stage.h"
 
 /* waiting -> enabling -> starting -> running -> latched, or braking and stopping -> disabled -> waiting, by `start`. */
@@ -26,11 +27,12 @@ typedef struct {
     const char *reason; /* of the last stop */
     uint32_t faults, latch_cause;
     uint64_t commands;             /* of clients, so far */
-    uint64_t since, still, good, quiet; /* samples in a row: in this phase, with these outputs, good sensors, at rest */
+    uint64_t since, still;         /* samples in a row: in this phase, with these outputs */
+    rest_t rest;
     motion_t motion;
     double t, rate; /* time of the motion, and how fast it passes: 1, or on the way to 0 in a hold */
     int holding, enabled, prompt; /* prompt: no waiting, for a simulation in lock step */
-    double sensors[N_SENSORS], at_rest[N_SENSORS], set_points[SET_POINTS_SIZE], outputs[N_OUTPUTS];
+    double sensors[N_SENSORS], set_points[SET_POINTS_SIZE], outputs[N_OUTPUTS];
 } machine_t;
 
 void machine_init(machine_t *machine, int prompt);
