@@ -301,7 +301,7 @@ def emit(
 def export(
     name: Name,
     out: Annotated[Path, typer.Option(help="folder to write to")],
-    target: Annotated[str, typer.Option(help="what the project runs on: linux or mcu")] = "linux",
+    target: Annotated[str, typer.Option(help="what the project runs on: linux, mcu or linuxcnc")] = "linux",
     fresh: Fresh = False,
 ) -> None:
     """Write a project around the emitted step that runs it: loop, set-points, commands, recorder, rehearsal."""

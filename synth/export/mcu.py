@@ -32,22 +32,22 @@ def facts(
     structs = [rows.dtype[role].itemsize for rows in vectors.values() for role in ("in", "out")]
     return {
         "core": core,
-        "vectors": [_words(name, rows) for name, rows in vectors.items()],
+        "vectors": [words(name, rows) for name, rows in vectors.items()],
         "instructions": sum(_instructions(code, vectors[name], core) for name, code in emitted.items()),
         "content": max(8 + max(structs), HELLO + len(shared["name"])),
         "status": f"0x{sum(1 << f['bit'] for f in shared['faults'] if f['status']):08x}",
         "turn": max(1, round(TURN_S / float(shared["period_s"]))),
-        "set_points": [{**p, "away": repr(_away(p))} for p in shared["set_points"]],
+        "set_points": [{**p, "away": repr(away(p))} for p in shared["set_points"]],
     }
 
 
-def _away(point: Mapping[str, Any]) -> float:
+def away(point: Mapping[str, Any]) -> float:
     """Return where the rehearsal moves a set-point to: away from the nearer end of its range."""
     low, high, home, step = (float(point[key]) for key in ("low", "high", "home", "step"))
     return home + SHARE * (step if high - home >= home - low else -step)
 
 
-def _words(name: str, rows: host.Records) -> dict[str, Any]:
+def words(name: str, rows: host.Records) -> dict[str, Any]:
     """Return the rows of vectors, each the words of input and output struct and the fault word, as C."""
     n = len(rows)
     parts = [np.frombuffer(rows[role].tobytes(), "<u4").reshape(n, -1) for role in ("in", "out", "faults")]

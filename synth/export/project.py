@@ -4,6 +4,7 @@ controller/   the emitted steps, unchanged        src/       the loop, the same 
 vectors/      inputs, outputs, fault words        io_user.c, channels.toml    the user's: written once
 
 For a microcontroller the vectors are C below src/, qemu/ has a board to rehearse on, and board_user.c is the user's.
+For LinuxCNC the vectors are C below src/, too, and the components of HAL are on top.
 """
 
 import json
@@ -19,10 +20,10 @@ from synth.declare.stage import SetPoint, Stage
 from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import host
-from synth.export import limits, mcu, plant_files, templates, wiring
+from synth.export import limits, linuxcnc, mcu, plant_files, templates, wiring
 from synth.simulate import rig as rigs
 
-TARGETS = ("linux", "mcu")
+TARGETS = ("linux", "mcu", "linuxcnc")
 TOP = ("Makefile", "CMakeLists.txt", "README.md", "io_user.c", "channels.toml")
 USERS = ("io_user.c", "channels.toml", "board_user.c")  # an export never overwrites them
 FULL_SCALE = 10.0  # V: of the channels in a new channels.toml, over the range of a signal
@@ -61,8 +62,11 @@ def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Pr
     if target == "mcu":
         facts |= mcu.facts(facts, {name: emitted[name] for name in recorded}, recorded)
         return Project({**code, **{f"qemu/{n}": t for n, t in model.items()}, **mcu.render(facts)})
+    sources = {f"src/{n}": t for n, t in model.items()}
+    if target == "linuxcnc":
+        return Project({**code, **sources, **linuxcnc.render(facts | linuxcnc.facts(stage, facts, emitted, recorded))})
     binary = {f"vectors/{name}.bin": rows.tobytes() for name, rows in recorded.items()}
-    return Project({**code, **binary, **{f"src/{n}": t for n, t in model.items()}, **_render(facts)})
+    return Project({**code, **binary, **sources, **_render(facts)})
 
 
 def require_target(target: str) -> None:

@@ -51,7 +51,7 @@ def test_the_step_is_unchanged(built: Path) -> None:
 
 
 def test_another_target_is_refused() -> None:
-    with pytest.raises(DesignError, match="the target of the export is 'dsp': choose one of linux, mcu"):
+    with pytest.raises(DesignError, match="the target of the export is 'dsp': choose one of linux, mcu, linuxcnc"):
         project.project(harness.stage("levitator_2dof"), harness.emitted("levitator_2dof"), "dsp")
 
 
