@@ -16,9 +16,9 @@ SHARED = (  # of the Linux project: the wiring of the stage, whether it rests, i
     "stage.c", "stage.h", "rest.c", "rest.h", "io.h", "io_plant.c", "plant.c", "plant.h",
 )  # fmt: skip
 LONGEST = 47  # characters of a name in HAL
-NAMES = (  # of the components' own pins and functions, and of the signals in the .hal
+NAMES = (  # of the components' own pins, and what HAL makes of their functions
     "enable", "running", "amplifiers", "wrong_period", "limits", "fault_word", "drive_fault_word", "rest_time",
-    "samples", "differing", "first", "feed", "compare", "write_outputs", "read_sensors",
+    "samples", "differing", "first", "feed.time", "compare.time", "write_outputs.time", "read_sensors.time",
 )  # fmt: skip
 
 
@@ -47,32 +47,27 @@ def facts(
             "functions: declare such a delay, or export to linux"
         )
     rows = _whole_samples(stage, emitted, vectors)
-    kinds = {s["name"]: kind for kind in ("sensor", "set-point") for s in shared[kind.replace("-", "_") + "s"]}
+    kinds = {s["name"]: "sensor" for s in shared["sensors"]} | {s["name"]: "set-point" for s in shared["set_points"]}
+    in_pins = [_pin(f, kinds.get(f["name"], "calls that were missed")) for f in _members(emitted, stage.name, "input")]
     out_pins = [
         _pin(field, "output") | {"source": f"{step.short}_out.{field['name']}", "block": step.name}
         for step in shared["blocks"]
-        for field in wiring.members(emitted[step.name].manifest, "output")
+        for field in _members(emitted, step.name, "output")
     ]
-    result = {
+    faults = [f | {"pin": _fault_pin(f)} for f in shared["faults"]]
+    used = [f"{p['name']}_used" for p in shared["set_points"]]
+    require_names(stage.name, [*NAMES, *(p["name"] for p in in_pins + out_pins), *used, *(f["pin"] for f in faults)])
+    roles = ("sensors", "set_points", "outputs")
+    return {
         "component": hal_name(stage.name),
+        "in_pins": in_pins,
         "out_pins": out_pins,
-        "in_pins": [
-            _pin(f, kinds.get(f["name"], "calls that were missed"))
-            for f in wiring.members(emitted[stage.name].manifest, "input")
-        ],
-        "faults": [f | {"pin": _fault_pin(f)} for f in shared["faults"]],
+        "faults": faults,
         "vectors": [mcu.words(name, of_step) for name, of_step in rows.items()],
         "replay_s": f"{len(rows[stage.name]) * float(shared['period_s']) + 1:.1f}",
         "moves": [f"sets {hal_name(p['name'])} {mcu.away(p)!r}" for p in shared["set_points"]],
-        **{
-            role: [s | {"hal": hal_name(s["name"])} for s in shared[role]]
-            for role in ("sensors", "set_points", "outputs")
-        },
+        **{role: [s | {"hal": hal_name(s["name"])} for s in shared[role]] for role in roles},
     }
-    used = [f"{p['name']}_used" for p in shared["set_points"]]
-    signals = [p["name"] for p in (*result["in_pins"], *result["out_pins"])]
-    require_names(stage.name, [*NAMES, *signals, *used, *(f["pin"] for f in result["faults"])])
-    return result
 
 
 def require_names(design: str, names: Sequence[str]) -> None:
@@ -83,8 +78,8 @@ def require_names(design: str, names: Sequence[str]) -> None:
     longest = f"{hal_name(design)}-replay.{max(counts, key=len)}"
     if len(longest) > LONGEST:
         raise DesignError(
-            f"design '{design}': found the pin '{longest}' of {len(longest)} characters, HAL takes {LONGEST}: "
-            "shorten the name of the design or of the signal"
+            f"design '{design}': found names of up to {len(longest)} characters, such as '{longest}', HAL takes "
+            f"{LONGEST}: shorten the name of the design or of the signal"
         )
 
 
@@ -107,6 +102,10 @@ def _whole_samples(
         structs[f"{step.short}_out"] = of_step["out"]
         rows[step.name] = of_step
     return rows
+
+
+def _members(emitted: Mapping[str, EmittedCode], step: str, role: str) -> list[Mapping[str, Any]]:
+    return wiring.members(emitted[step].manifest, role)
 
 
 def _pin(field: Mapping[str, Any], kind: str) -> dict[str, Any]:
