@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ import pytest
 from synth.declare.stage import Stage
 from synth.errors import DesignError
 from synth.execute import compile as host_compiler
+from synth.execute import host
 from synth.export import linuxcnc, project, templates
 from tests import tools
 from tests.export import harness, test_page
@@ -248,18 +250,23 @@ def test_a_thread_of_another_period_does_not_start_the_step(tmp_path: Path, fifo
 
 @pytest.mark.parametrize("name", REGULAR)
 def test_the_component_has_a_pin_for_each_signal_and_fault(name: str, tmp_path: Path) -> None:
-    folder = export(name, tmp_path)
+    folder, code = export(name, tmp_path), harness.emitted(name)[name]
     text = (folder / f"{name}.comp").read_text()
+    require_pins(text, code.manifest)
+    for lost in ("pin in float z_ref", "pin out bit latched"):
+        with pytest.raises(AssertionError):
+            require_pins(text.replace(lost, f"// {lost}"), code.manifest)
+    assert f"period1={round(1e9 * code.manifest['period_s'])}\n" in (folder / f"{name}.hal").read_text()
+    for file, content in host.code(code.files).items():
+        assert (folder / "controller" / file).read_text() == content
+
+
+def require_pins(text: str, manifest: Mapping[str, Any]) -> None:
     pins = set(re.findall(r'^pin (\w+) float (\w+) "[^"]+";$', text, re.M))
-    manifest = harness.emitted(name)[name].manifest
     for role, direction in (("input", "in"), ("output", "out")):
         assert pins >= {(direction, f["name"]) for f in manifest["structs"][role]["fields"]}
     bits = re.findall(r'^pin out bit \w+ "bit (\d+) of fault-word', text, re.M)
     assert sorted(map(int, bits)) == sorted(f["bit"] for f in manifest["faults"])
-    assert f"period1={round(1e9 * manifest['period_s'])}\n" in (folder / f"{name}.hal").read_text()
-    for file, content in harness.emitted(name)[name].files.items():
-        if file.endswith((".c", ".h")):
-            assert (folder / "controller" / file).read_text() == content
 
 
 @pytest.mark.parametrize(("delay", "order"), [(1, "write read step"), (0, "read step write")])
@@ -354,6 +361,7 @@ def test_a_motion_within_the_limits_is_followed_without_a_lag() -> None:
     t = np.arange(1000) * 1e-3
     motion = 0.01 * (1 - np.cos(40 * t))  # 0.4 /s, 16 /s^2
     np.testing.assert_array_equal(set_points(motion), motion)
+    assert (set_points(motion, ("fabs(far) <= limits->speed * h", "0")) != motion).any()
     moved = motion + np.where(t > 0.1, 0.003, 0.0)
     assert (set_points(moved)[:100] == motion[:100]).all() and (set_points(moved)[-500:] == moved[-500:]).all()
 
