@@ -170,6 +170,17 @@ def prove(
     raise typer.Exit(commands.prove(names or (), as_json, fresh, whole))
 
 
+@app.command(epilog="Example: synth margins my_stage")
+def margins(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
+    """Tell whether the loops are stable, then their poles and margins, before there is a reference or any C.
+
+    At the operating points and the corners of the tolerances; the least margins are held against what is required.
+    """
+    from synth.app import commands
+
+    raise typer.Exit(commands.margins(names or (), as_json, fresh))
+
+
 @app.command(epilog="Example: synth simulate my_stage")
 def simulate(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
     """Run each design's experiments on the full plant with the compiled C in the loop."""

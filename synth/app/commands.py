@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from synth.app import builds, fault_jobs, standard_tasks, tables, tasks, workspace
+from synth.analyse.loops.robustness import ClosedLoop, Survey
+from synth.app import builds, fault_jobs, standard_tasks, tables, tasks, verdicts, workspace
 from synth.app.command_results import Failed, finish, run_jobs, successful, writer
 from synth.app.new import create
 from synth.app.tasks import attempt
@@ -192,10 +193,47 @@ def _in_folder(report: Progress, folder: str, design: str) -> Progress:
     return report if folder == design else lambda line: report(f"{folder}: {line}")
 
 
+@dataclass(frozen=True)
+class Surveyed:
+    """The closed loops of a design, its open loops with their margins, and the checks of these."""
+
+    design: str
+    closed: Sequence[ClosedLoop]
+    loops: Survey | None
+    checks: Sequence[Check]
+
+    def document(self) -> dict[str, Any]:
+        """Return the poles of each case and the least margins, for JSON."""
+        cases = [
+            {"at": c.place, "stable": c.is_stable, "reason": c.reason, "poles": [[z.real, z.imag] for z in c.poles]}
+            for c in self.closed
+        ]
+        return {"design": self.design, "closed_loops": cases, "checks": _checks(self.checks)}
+
+
+def margins(names: Names, as_json: bool, fresh: bool) -> int:
+    """Tell of each design whether its loops are stable, then their poles and margins; no reference is needed."""
+
+    def survey(stage: Stage, report: Progress) -> Surveyed:
+        closed = verdicts.closed_loops(stage)
+        report(verdicts.stability(closed))
+        loops, failed = attempt(partial(tasks.loops(stage).result, report), "margins", None)
+        return Surveyed(stage.name, closed, loops, [*failed, *verdicts.margins(stage, loops)])
+
+    results = _for_each_design(names, as_json, fresh, survey)
+    for s in successful(results) if not as_json else ():
+        tables.print_margins(s.design, s.closed, s.loops, s.checks)
+    documents = [s.document() for s in successful(results)]
+    return finish(as_json, documents, results, not all(c.passed for s in successful(results) for c in s.checks))
+
+
 def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     """Run each design's experiments on the full plant with the compiled C in the loop."""
 
     def run_experiments(stage: Stage, report: Progress) -> list[Verified]:
+        closed, _ = attempt(partial(verdicts.closed_loops, stage), "stability", list[ClosedLoop]())
+        if not all(c.is_stable for c in closed):
+            report(verdicts.stability(closed))
         runs, failed = attempt(partial(tasks.experiments(stage).result, report), "experiments", list[Experiment]())
         errors = {"name": "errors", "title": "Errors", "figures": {}, "checks": _checks(failed)}
         verified = [Verified(_experiment(e), e.checks, e.figures) for e in runs]

@@ -8,10 +8,12 @@ from rich.markup import escape
 from rich.table import Table
 
 from synth import show
+from synth.analyse.loops.robustness import ClosedLoop, Survey
+from synth.app import verdicts
 from synth.check import Check, limit_text
 from synth.declare.tuning import Tuned, Tuning
 from synth.report import comparison as comparisons
-from synth.report import first_screen
+from synth.report import first_screen, sections
 from synth.report import tuning as tunings
 from synth.report.audit import Row
 from synth.report.comparison import Side
@@ -21,6 +23,7 @@ from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.study import StudyTable
 from synth.verify import cost as costs
 
+LOOPS = 12  # rows of poles and of loops
 WORST = 3  # rows of a design among several, beside those that fail
 
 
@@ -84,6 +87,17 @@ def _print(console: Console, title: str, columns: Sequence[str], rows: Iterable[
     for row in rows:
         table.add_row(*map(escape, row))
     console.print(table)
+
+
+def print_margins(design: str, closed: Sequence[ClosedLoop], loops: Survey | None, checks: Sequence[Check]) -> None:
+    """Print whether the loops are stable, then the slowest poles, the loops with the least margins, and the checks."""
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    console.print(f"{design}: {verdicts.stability(closed)}", highlight=False, markup=False)
+    slowest = sorted(closed, key=lambda c: (c.is_stable, -c.slowest_s))[:LOOPS]
+    worst = sorted(loops.loops if loops else (), key=lambda of: (of.margins.stable, of.margins.modulus_margin))[:LOOPS]
+    poles = [sections.poles_table(slowest)] if slowest else []
+    _print_tables(console, design, [*poles, *([sections.margins_table("the least", worst)] if worst else [])])
+    print_checks(f"{design}: least margins", checks)
 
 
 def print_study(design: str, study: StudyTable) -> None:

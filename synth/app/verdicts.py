@@ -17,6 +17,8 @@ from fnmatch import fnmatchcase
 from functools import partial
 from math import inf, isfinite, nan
 
+import numpy as np
+
 from synth.analyse.loops import disk, robustness, stability_margins
 from synth.analyse.loops.robustness import Survey
 from synth.check import NO_LIMIT, Check
@@ -64,6 +66,27 @@ def survey(stage: Stage) -> Survey | None:
         [unsolved for each in surveys for unsolved in each.unsolved],
         {place: disks for each in surveys for place, disks in each.disks.items()},
     )
+
+
+def closed_loops(stage: Stage) -> list[robustness.ClosedLoop]:
+    """Return the closed loops of a stage at its places, or operating points and corners; much sooner than `survey`."""
+    if not stage.interface.actuators or not (stage.operating_points or stage.loops):
+        return []
+    if stage.loops:
+        return robustness.closed_loops_at(stage.loops(stage))
+    return robustness.closed_loops(standard.over_tolerances(stage))
+
+
+def stability(closed: Sequence[robustness.ClosedLoop]) -> str:
+    """Return in one sentence whether closed loops are stable, and where not."""
+    lost = [c for c in closed if not c.is_stable]
+    if not closed:
+        return "no loop: no actuator or no operating point is declared"
+    if not lost:
+        return f"stable in {len(closed)} cases"
+    first, others = lost[0], f" and in {len(lost) - 1} more of {len(closed)} cases" if len(lost) > 1 else ""
+    why = first.reason or f"a pole z of magnitude {np.abs(first.poles).max():.6g}"
+    return f"UNSTABLE at {first.place}{others}: {why}"
 
 
 def _own_loops(places: Sequence[robustness.LoopsAt]) -> Survey:

@@ -3,19 +3,19 @@
     ranges.bounds                  declared range of each load
     lower.program                  CasADi expressions to nodes in SSA form, common subexpression elimination
     fold.folded                    constant folding, algebraic simplification, shared reciprocals
-    fault_flags.simplified               truth values: sums and choices of 0 and 1 become logic
-    fault_flags.gather              bits that one side of a condition sets are set on that side
+    fault_flags.simplified         truth values: sums and choices of 0 and 1 become logic
+    fault_flags.gather             bits that one side of a condition sets are set on that side
     safe.require_safe              proof on the program as written: no division by 0, no argument outside a domain
-    replace.replace_functions      surrogates: minimax polynomials for functions of one variable
+    surrogates.replace_functions   surrogates: minimax polynomials for functions of one variable
     guards.without_idle            dead limits by range analysis
     fold.with_constant_products    products of named constants
     guards.without_certified_limits dead limits by a certificate
     safe, ranges, kinds            the same proof on the result; next states and outputs stay in their declared ranges
     guards.guarded                 the guard of an input becomes one call
-    guards.slewed                   a rate limit becomes one call
-    grouping.with_numbers           a literal that a Block declares becomes a constant with a name
-    equations.by_block             equations of the composed expressions, for the comments
+    guards.slewed                  a rate limit becomes one call
+    grouping.with_numbers          a literal that a Block declares becomes a constant with a name
     outline.alike, sections.outlined  Blocks that are one program but for names and numbers become calls of one function
+    equations.by_block             equations of the composed expressions, for the comments
 
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from synth.analyse.loops.disk import DiskMargin
+from synth.analyse.loops.robustness import ClosedLoop, OpenLoop
 from synth.analyse.loops.stability_margins import Margins
 from synth.plant import Plant
 from synth.report import bode, figures, first_screen
@@ -81,7 +82,7 @@ def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:
     return Section(title, (Figure(plot, caption), margins_table(title, curves)))
 
 
-def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
+def margins_table(caption: str, curves: Iterable[bode.LoopCurve | OpenLoop]) -> Table:
     """Return the worst margins of each loop over all crossings, and its highest crossover frequency.
 
     An unstable closed loop has no margins.
@@ -95,6 +96,15 @@ def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
         columns,
         tuple(_margins(c) for c in curves),
     )
+
+
+def poles_table(closed: Iterable[ClosedLoop]) -> Table:
+    """Return the slowest and the least damped pole of each closed loop."""
+    rows = tuple(
+        (c.place, "stable" if c.is_stable else "UNSTABLE", 1e3 * c.slowest_s, *c.least_damping) for c in closed
+    )
+    columns = ("at", "closed loop", "slowest time constant, ms", "least damping", "of the pole at, Hz")
+    return Table("Poles of the closed loop, the slowest first", columns, rows)
 
 
 def margins_ranges(margins: Sequence[Margins]) -> tuple[str, ...]:
@@ -161,7 +171,7 @@ def _measured_rows(run: Experiment) -> tuple[tuple[Cell, ...], ...]:
     return tuple((quantity, value, readable(unit)) for quantity, unit, value in named)
 
 
-def _margins(curve: bode.LoopCurve) -> tuple[Cell, ...]:
+def _margins(curve: bode.LoopCurve | OpenLoop) -> tuple[Cell, ...]:
     m = curve.margins
     highest = max((c.frequency for c in m.gain_crossings), default=math.nan) / (2 * math.pi)
     margins = (

@@ -181,7 +181,7 @@ def test_no_design_loses_a_requirement(name: str, monkeypatch: pytest.MonkeyPatc
 def test_the_commands_fail_where_a_requirement_does(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """`synth verify`, `simulate`, `faults` and `audit`, each for its part."""
+    """`synth verify`, `margins`, `simulate`, `faults` and `audit`, each for its part."""
     monkeypatch.chdir(levitator.FOLDER)
     monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
     design = variant(experiments=[Planted("raises")], require={"phase_margin": 89.0})
@@ -189,12 +189,30 @@ def test_the_commands_fail_where_a_requirement_does(
     monkeypatch.setattr(campaign, "inject", crash)
     for command, arguments, word in (
         (commands.verify, (None,), "phase margin"),
+        (commands.margins, (), "phase margin"),
         (commands.simulate, (), "errors of experiment raises"),
         (commands.audit, (), "errors of audit"),
         (commands.faults, (1, False), "errors of faults at rest"),
     ):
         assert command([NAME], True, False, *arguments) == 1, command.__name__  # type: ignore[operator]
         assert word in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_margins_need_no_reference_and_say_first_that_a_loop_is_unstable(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(levitator.FOLDER)
+    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
+    sound = variant(reference=None)
+    K = sound.plant.parameter("K").value
+    unstable = variant(reference=None, plant=sound.plant.with_parameters(K=10 * K))
+    for design, status, first in ((sound, 0, f"{NAME}: stable in "), (unstable, 1, f"{NAME}: UNSTABLE at ")):
+        monkeypatch.setattr(levitator.design(NAME), "DESIGN", design)
+        assert commands.margins([NAME], False, False) == status
+        assert capsys.readouterr().out.startswith(first)
+    assert commands.simulate([NAME], False, False) in (1, 2)
+    assert capsys.readouterr().out.startswith(f"{NAME}: UNSTABLE at ")
 
 
 def test_a_figure_that_differs_without_a_reason_fails() -> None:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synth import arguments
 from synth.analyse import operating_points
@@ -28,6 +29,7 @@ from synth.errors import ModelError, NoEquilibriumError, SignalError
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import StateSpace
+from synth.timing import period
 
 MAX_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
 
@@ -58,6 +60,7 @@ def _ends(plant: Plant, name: str) -> tuple[float, float]:
 
 
 NOMINAL: Case = {}
+DEAD_BEAT = 1e-6  # of |z|: a smaller pole is a delay
 
 Groups = Mapping[str, Sequence[str]]  # signals that vary at once, by name of the group
 
@@ -128,6 +131,43 @@ class LoopsAt:
     signals: Sequence[str]
     at_once: Sequence[str]
     open: Callable[[Sequence[str]], StateSpace]
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedLoop:
+    """The poles z (n,) of a closed loop sampled each `period_s`; without any, `reason` says why it has no equilibrium.
+
+    With s = ln(z) / T the slowest time constant is that of max Re s, and the damping of a pole is -Re s / |s|.
+    """
+
+    place: str
+    poles: NDArray[np.complex128]
+    period_s: float
+    reason: str = ""
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether there is an equilibrium to which the loop returns."""
+        return not self.reason and bool((np.abs(self.poles) < 1).all())
+
+    @property
+    def slowest_s(self) -> float:
+        """The largest time constant in s, inf where a pole does not decay."""
+        decay = -float(self._rates.real.max(initial=-np.inf))
+        return 1 / decay if decay > 0 else np.inf
+
+    @property
+    def least_damping(self) -> tuple[float, float]:
+        """The damping of the least damped pole, negative where it grows, and its frequency |s| / 2 pi in Hz."""
+        s = self._rates
+        damping = -s.real / np.abs(s)
+        k = int(np.argmin(damping)) if len(s) else -1
+        return (float(damping[k]), float(np.abs(s[k]) / (2 * np.pi))) if len(s) else (1.0, np.inf)
+
+    @property
+    def _rates(self) -> NDArray[np.complex128]:
+        z = self.poles[np.abs(self.poles) > DEAD_BEAT]
+        return np.asarray(np.log(z) / self.period_s)
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,6 +280,37 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
     references = {s.name: values[s.of] for s in loops.interface.set_points}
     references |= {s.name: 0.0 for s in (loops.interface.missed_calls,) if s}
     return equilibrium.solve(replace(closed, plant=plant), references, trimmed)
+
+
+@arguments.checked
+def closed_loops(loops: Loops) -> list[ClosedLoop]:
+    """Return the closed loop at each operating point and case; it takes a small part of the time of `survey`.
+
+    Raises as `open_loops`, but no NoEquilibriumError.
+    """
+    closed = []
+    for point, case in itertools.product(loops.points, loops.cases):
+        label, period_s = f"{point}{_case_text(case)}", period(loops.closed.controller.time)
+        try:
+            L = equilibrium.open_loop(equilibrium_at(loops, point, case), list(loops.actuators))
+        except NoEquilibriumError as error:
+            closed.append(ClosedLoop(label, np.zeros(0, np.complex128), period_s, str(error)))
+        else:
+            closed.append(ClosedLoop(label, _closed_poles(L), period_s))
+    return closed
+
+
+@arguments.checked
+def closed_loops_at(places: Sequence[LoopsAt]) -> list[ClosedLoop]:
+    """Return the closed loop at each place of a stage that opens its loops itself; raise as `LoopsAt.open`."""
+    opened = ((at.place, at.open(at.at_once)) for at in places)
+    return [ClosedLoop(place, _closed_poles(L), period(L.time)) for place, L in opened]
+
+
+def _closed_poles(L: StateSpace) -> NDArray[np.complex128]:
+    """Return the zeros of det(I + L), L (p, p) opened at so many signals that every axis is in a loop."""
+    poles = np.linalg.eigvals(L.A - L.B @ np.linalg.solve(np.eye(len(L.D)) + L.D, L.C))
+    return poles.astype(np.complex128)
 
 
 @arguments.checked

@@ -1,1 +1,1 @@
-"""Estimators as Blocks: GLSDC from phases, screening, prediction and dead reckoning."""
+"""Estimators as Blocks: GLSDC from phases (`glsdc_estimator`), screening, prediction and dead reckoning."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synth.analyse import operating_points
-from synth.analyse.loops import disk, equilibrium, loop, robustness, stability_margins
+from synth.analyse.loops import disk, equilibrium, loop, robustness, stability_margins, transfer
 from synth.analyse.loops.robustness import Loops
 from synth.declare.stage import DISK, MARGINS
 from synth.errors import NoEquilibriumError, SignalError
@@ -147,3 +147,37 @@ def test_a_loop_does_not_open_at_a_sensor_and_at_its_coordinate() -> None:
 
 def test_the_margins_that_a_stage_may_require_are_those_that_a_loop_has() -> None:
     assert (*robustness.REQUIREMENTS, DISK) == MARGINS
+
+
+def test_the_poles_of_the_closed_loop_are_those_of_each_axis() -> None:
+    """Opened at one actuator a loop has the poles of its own axis alone; the closed loop has those of all."""
+    opened = loops()
+    closed = robustness.closed_loops(opened)
+    assert [c.place for c in closed] == [*POINTS] and all(c.is_stable for c in closed)
+    at_rest = robustness.equilibrium_at(opened, "low")
+    each = [transfer.closed_loop_poles(equilibrium.open_loop(at_rest, signal)) for signal in opened.actuators]
+    assert len(each[0]) < len(closed[0].poles)
+    for pole in np.concatenate(each)[np.abs(np.concatenate(each)) > 1e-3]:
+        assert np.abs(closed[0].poles - pole).min() < 1e-6
+
+
+def test_an_axis_that_no_other_reaches_is_found_unstable() -> None:
+    k = DESIGN.PLANT.parameter("k").value
+    (closed,) = robustness.closed_loops(loops({"low": POINTS["low"]}, [{"k": 20 * k}]))
+    assert not closed.is_stable
+
+
+def test_a_loop_with_ten_times_its_force_is_unstable() -> None:
+    K = DESIGN.PLANT.parameter("K").value
+    closed = robustness.closed_loops(loops({"low": POINTS["low"]}, [robustness.NOMINAL, {"K": 10 * K}]))
+    assert [c.is_stable for c in closed] == [True, False]
+    assert closed[1].reason or closed[1].slowest_s == np.inf
+
+
+def test_time_constant_and_damping_are_those_of_the_slowest_and_the_least_damping_pole() -> None:
+    T, s = 1e-3, np.array([-10.0, -30.0 + 400.0j, -30.0 - 400.0j])
+    closed = robustness.ClosedLoop("rest", np.append(np.exp(s * T), 0.0).astype(complex), T)
+    assert closed.is_stable and closed.slowest_s == pytest.approx(0.1)
+    assert closed.least_damping == pytest.approx((30 / abs(s[1]), abs(s[1]) / (2 * np.pi)))
+    grows = robustness.ClosedLoop("rest", np.exp(np.array([2.0 + 0j]) * T), T)
+    assert not grows.is_stable and grows.slowest_s == np.inf and grows.least_damping[0] == pytest.approx(-1.0)
