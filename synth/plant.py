@@ -12,7 +12,7 @@ from synth import arguments, law, show
 from synth.base import column_maps
 from synth.block import Constant
 from synth.errors import SignalError
-from synth.signals import Parameter, Signal, signal_names
+from synth.signals import Parameter, Signal, dimension, per_second, signal_names
 
 Symbols = Mapping[str, ca.SX]
 Formula = Callable[[Symbols], ca.SX]
@@ -131,8 +131,11 @@ def build(
     """Make a Plant from `physics(x, u, p) -> (derivatives by state, outputs by name)`.
 
     Raises SignalError when a derivative or output is missing or unknown, when an output has the name of a state but
-    is another quantity, or when the unit of a state is unreadable.
+    is another quantity, when a parameter has the name of a signal, or when a state that is the derivative of another
+    has not its unit per s.
     """
+    for signal in (s.name for s in (*states, *inputs, *outputs) if s.name in signal_names(parameters)):
+        raise SignalError(f"plant '{name}': '{signal}' names a parameter and a signal: give the parameter another name")
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     kinds = zip(("states", "inputs", "parameters"), (x, u, p), strict=True)
     named = (law.NamedSymbols(f"among its {kind} plant '{name}'", s) for kind, s in kinds)
@@ -145,7 +148,15 @@ def build(
     for exprs in (derivative, output):
         law.check_numbers(f"plant '{name}'", exprs, args)
     h = ca.Function("h", args, [ca.vcat([output[s.name] for s in outputs])], ["x", "u", "p"], ["y"])
-    return Plant(name, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), f, h)
+    plant = Plant(name, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), f, h)
+    unit = {s.name: s.unit for s in states}
+    for position, rate in velocities(plant).items():
+        if dimension(unit[rate]) != dimension(needed := per_second(unit[position])):
+            raise SignalError(
+                f"plant '{name}': the derivative of '{position}' [{unit[position]}] is '{rate}', which is declared in "
+                f"{unit[rate]}: it needs {needed}"
+            )
+    return plant
 
 
 def _require_true_states(name: str, states: Mapping[str, ca.SX], outputs: Mapping[str, ca.SX]) -> None:

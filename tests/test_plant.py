@@ -82,3 +82,16 @@ def test_an_output_called_like_a_state_is_that_state() -> None:
     with pytest.raises(SignalError, match=r"output 'angle' of plant 'gauge' is not the state .*Sensor\('angle', of="):
         plant.build("gauge", signals, inputs, signals, (), biased)
     plant.build("gauge", signals, inputs, signals, (), lambda x, u, p: ({"angle": u["bias"]}, dict(x)))
+
+
+def test_a_parameter_has_no_name_of_a_signal() -> None:
+    twice = (*PARAMETERS, Parameter("height", 0.5, "m", 0.01, "drawing"))
+    with pytest.raises(SignalError, match="'height' names a parameter and a signal: give the parameter another name"):
+        plant.build("pendulum", STATES, INPUTS, OUTPUTS, twice, pendulum)
+
+
+@pytest.mark.parametrize("unit", ["rad", "m/s", "rad/s^2", "Hz"])
+def test_a_velocity_has_the_unit_of_its_position_per_second(unit: str) -> None:
+    states = (STATES[0], Signal("rate", unit, -5, 5))
+    with pytest.raises(SignalError, match=f"'angle' .rad. is 'rate', which is declared in {unit.replace('^', '.')}"):
+        plant.build("pendulum", states, INPUTS, OUTPUTS, PARAMETERS, pendulum)

@@ -83,7 +83,7 @@ def stability(closed: Sequence[robustness.ClosedLoop]) -> str:
     if not closed:
         return "no loop: no actuator or no operating point is declared"
     if not lost:
-        return f"stable in {len(closed)} cases"
+        return f"stable in {len(closed)} case{'s' if len(closed) > 1 else ''}"
     first, others = lost[0], f" and in {len(lost) - 1} more of {len(closed)} cases" if len(lost) > 1 else ""
     why = first.reason or f"a pole z of magnitude {np.abs(first.poles).max():.6g}"
     return f"UNSTABLE at {first.place}{others}: {why}"

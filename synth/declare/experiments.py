@@ -110,7 +110,7 @@ class StepResponse:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Set-points follow profiles; the mean |y - r| after `after_s` is at most `mean_error`, one or {set-point: limit}.
+    """Set-points follow profiles; mean |y - r| after `after_s` is at most `mean_error`, of all or {set-point: limit}.
 
     The run starts at rest at the start of the profiles.
     """

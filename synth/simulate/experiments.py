@@ -26,7 +26,7 @@ from synth import check, show
 from synth.base.progress import each
 from synth.check import Check, Incomplete, of_error
 from synth.declare.experiments import Conditions, Hold, LiftOff, Ramp, SensorFaults, StepResponse, Track
-from synth.errors import SignalError
+from synth.errors import DesignError, SignalError
 from synth.execute import host, recorder
 from synth.signals import Signal
 from synth.simulate import conditions, metrics
@@ -145,15 +145,20 @@ def _track(track: Track, rig: Rig) -> Experiment:
     start = {positions[name][0]: float(course[0]) for name, course in courses.items()}
     under = replace(track.conditions, start=start | dict(track.conditions.start))
     trajectory = _trajectory(rig, track.duration_s, courses, under)
-    checks = []
+    limits = track.mean_error if isinstance(track.mean_error, Mapping) else dict.fromkeys(courses, track.mean_error)
+    if unknown := [name for name in limits if name not in courses]:
+        raise DesignError(f"{track.name}: a limit is for '{unknown[0]}', but what moves is {', '.join(courses)}")
+    checks, figures = [], {}
     for name, course in courses.items():
         position, unit = positions[name]
-        limit = track.mean_error[name] if isinstance(track.mean_error, Mapping) else track.mean_error
         mean = metrics.mean_absolute(time, trajectory[position] - course, track.after_s)
-        checks.append(Check(f"mean |e_{position}|", mean, limit, unit, f"from {track.after_s:g} s on"))
+        if name in limits:
+            checks.append(Check(f"mean |e_{position}|", mean, limits[name], unit, f"from {track.after_s:g} s on"))
+        else:
+            figures[f"mean |e_{position}| from {track.after_s:g} s on, {unit}"] = mean
     title = f"Tracking of {', '.join(p for p, _ in positions.values())}{track.conditions.text()}"
     shown = {positions[name][0]: course for name, course in courses.items()}
-    return _experiment(rig, track.name, title, trajectory, shown, {}, checks)
+    return _experiment(rig, track.name, title, trajectory, shown, figures, checks)
 
 
 def _hold(hold: Hold, rig: Rig) -> Experiment:

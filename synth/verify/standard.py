@@ -18,6 +18,7 @@ from synth.analyse.loops import robustness
 from synth.block import Block
 from synth.check import Check
 from synth.declare.stage import DISK, Stage
+from synth.errors import DesignError
 from synth.execute import host
 from synth.simulate import experiments
 from synth.simulate import rig as rigs
@@ -40,8 +41,12 @@ PATH = 1e-4  # of the range of a sensor without resolution: path of the plant in
 
 
 def witnesses(stage: Stage) -> Witnesses:
-    """Return the witnesses of the controller of a stage."""
-    assert stage.reference is not None, "a stage without a reference is refused where it is declared"
+    """Return the witnesses of the controller of a stage; raise DesignError for a stage without a reference."""
+    if stage.reference is None:
+        raise DesignError(
+            f"design '{stage.name}' has no reference: give `reference`, a NumPy step (states, inputs) -> (states', "
+            "outputs, fault words) written from the equations"
+        )
     return suite.witnesses(stage.controller.block, stage.reference, stage.surrogate_error)
 
 

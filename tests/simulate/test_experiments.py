@@ -8,7 +8,7 @@ import pytest
 
 from synth.app import standard_tasks
 from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepResponse, Track
-from synth.errors import SignalError
+from synth.errors import DesignError, SignalError
 from synth.simulate import experiments
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Override
@@ -56,6 +56,12 @@ def test_a_track_starts_on_its_course_and_takes_a_limit_for_each(rig: Rig) -> No
     error = run.trajectory["z"] - course(run.trajectory.time)
     assert checks(run)["mean |e_z|"].value == pytest.approx(np.abs(error[run.trajectory.time >= 0.5]).mean())
     assert not checks(run)["mean |e_x|"].passed
+    some = experiments.result(Track({"z_ref": course, "x_ref": 1e-4}, {"z_ref": 1e-7}, 0.6, 0.5), rig)
+    assert "mean |e_x|" not in checks(some) and some.figures["mean |e_x| from 0.5 s on, m"] == pytest.approx(
+        checks(run)["mean |e_x|"].value
+    )
+    with pytest.raises(DesignError, match="a limit is for 'y_ref', but what moves is z_ref, x_ref"):
+        experiments.result(Track({"z_ref": course, "x_ref": 1e-4}, {"y_ref": 1e-7}, 0.6, 0.5), rig)
 
 
 def test_an_internal_model_leaves_nothing_of_the_hum_that_it_holds(rig: Rig) -> None:

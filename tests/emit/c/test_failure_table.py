@@ -7,11 +7,13 @@ import pytest
 
 from designs.maglev import fault_handling, platen
 from designs.maglev_5dof.design import DESIGN, PLANT
+from synth import plant as plants
 from synth.blocks.faults import redundancy
 from synth.declare import actuation
 from synth.emit.c import header
 from synth.errors import SignalError
 from synth.fault import with_reactions
+from synth.signals import Signal
 from synth.stage import Interface
 from tests.emit.c.test_manifest import stage
 
@@ -58,3 +60,15 @@ def test_signs_of_the_actuators_come_from_the_plant() -> None:
     assert signs["i_d1"] == "+y -phi" and signs["i_d2"] == "+y +theta" and (signs["u_x"], signs["u_z"]) == ("-x", "-z")
     turned = {name: "".join({"+": "-", "-": "+"}.get(c, c) for c in sign) for name, sign in signs.items()}
     assert np.all([signs[n] != turned[n] for n in signs])
+
+
+def test_a_pull_with_the_square_of_a_current_has_a_sign_at_0_A() -> None:
+    states = [Signal("z", "m", -1e-3, 1e-3), Signal("v", "m/s", -1.0, 1.0)]
+    coils = [Signal("upper", "A", 0.0, 4.0), Signal("lower", "A", 0.0, 4.0)]
+    pulls = plants.build(
+        "coils", states, coils, states[:1], [],
+        lambda x, u, p: ({"z": x["v"], "v": u["upper"] ** 2 - u["lower"] ** 2}, {"z": x["z"]}),
+    )  # fmt: skip
+    for current in (0.0, 1.0):
+        at = {"upper": current, "lower": current}
+        assert actuation.signs(pulls, {"z": "v"}, at) == {"upper": "+z", "lower": "-z"}
