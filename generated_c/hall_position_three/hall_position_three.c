@@ -952,43 +952,44 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (weak_from_yaw <= variances_3) || (weak_from <= variances_4);
     const bool phases_valid_test = screened && !weak;
     const bool none_protection_phase_x = hall_position_three_equal(excluded, 0.0f);
-    const float protection_phase_x_limited = hall_position_three_max(0.0f, (moves_1_1_phase_x * moves_1_1_phase_x *
-        gains_1_phase_x) + (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x));
-    const float protection_phase_x_sum = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
-    const float protection_phase_x_sum_2 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
-    const float protection_phase_y_limited = hall_position_three_max(0.0f, (minus_moves_1_2 * minus_moves_1_2 *
-        gains_1_phase_x) + (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x));
-    const float protection_phase_y_sum = (minus_moves_3_2 * minus_moves_3_2 * gains_3) +
+    const float protection_phase_x_sum = (moves_1_1_phase_x * moves_1_1_phase_x * gains_1_phase_x) +
+        (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x);
+    const float protection_phase_x_sum_2 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
+    const float protection_phase_x_sum_3 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
+    const float protection_phase_y_sum = (minus_moves_1_2 * minus_moves_1_2 * gains_1_phase_x) +
+        (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x);
+    const float protection_phase_y_sum_2 = (minus_moves_3_2 * minus_moves_3_2 * gains_3) +
         (moves_4_2 * moves_4_2 * gains_4);
-    const float protection_phase_y_sum_2 = (minus_moves_5_2 * minus_moves_5_2 * gains_5) +
+    const float protection_phase_y_sum_3 = (minus_moves_5_2 * minus_moves_5_2 * gains_5) +
         (moves_6_2 * moves_6_2 * gain);
-    const float protection_yaw_limited = hall_position_three_max(0.0f, (moves_1_3_phase_x * moves_1_3_phase_x *
-        gains_1_phase_x) + (minus_moves_2_3 * minus_moves_2_3 * gains_2_phase_x));
-    const float protection_yaw_sum = (moves_3_3 * moves_3_3 * gains_3) + (minus_moves_4_3 * minus_moves_4_3 * gains_4);
-    const float protection_yaw_sum_2 = (moves_5_3 * moves_5_3 * gains_5) + (minus_moves_6_3 * minus_moves_6_3 * gain);
-    const float protection_phase_x_sum_3 = (residuals_1_phase_x * residuals_1_phase_x) +
+    const float protection_yaw_sum = (moves_1_3_phase_x * moves_1_3_phase_x * gains_1_phase_x) +
+        (minus_moves_2_3 * minus_moves_2_3 * gains_2_phase_x);
+    const float protection_yaw_sum_2 = (moves_3_3 * moves_3_3 * gains_3) +
+        (minus_moves_4_3 * minus_moves_4_3 * gains_4);
+    const float protection_yaw_sum_3 = (moves_5_3 * moves_5_3 * gains_5) + (minus_moves_6_3 * minus_moves_6_3 * gain);
+    const float protection_phase_x_sum_4 = (residuals_1_phase_x * residuals_1_phase_x) +
         (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
         (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
         (residuals_6_phase_x * residuals_6_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
         offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x * phase_x_product_6) +
         (forward_3_phase_x * phase_x_product_5) + (forward_4_phase_x * steps_4_phase_x));
-    const float full_cost = hall_position_three_max(protection_phase_x_sum_3, 0.0f);
+    const float full_cost = hall_position_three_max(protection_phase_x_sum_4, 0.0f);
     const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
     const float protection_phase_x_product_2 = scores_2_phase_x * gains_2_phase_x;
     const float costs_1 = full_cost -
         ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
-    const float protection_phase_x_sum_4 = hypothesis_cost + (cancellation * full_cost);
-    const bool passing_1 = (costs_1 <= protection_phase_x_sum_4) || hall_position_three_equal(excluded, 1.0f);
+    const float protection_phase_x_sum_5 = hypothesis_cost + (cancellation * full_cost);
+    const bool passing_1 = (costs_1 <= protection_phase_x_sum_5) || hall_position_three_equal(excluded, 1.0f);
     const float scores_3_times_gains_3 = scores_3 * gains_3;
     const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
     const float costs_2 = full_cost -
         ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
-    const bool passing_2 = (costs_2 <= protection_phase_x_sum_4) || hall_position_three_equal(excluded, 2.0f);
+    const bool passing_2 = (costs_2 <= protection_phase_x_sum_5) || hall_position_three_equal(excluded, 2.0f);
     const float scores_5_times_gains_5 = scores_5 * gains_5;
     const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
     const float costs_3 = full_cost -
         ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
-    const bool passing_3 = (costs_3 <= protection_phase_x_sum_4) || hall_position_three_equal(excluded, 3.0f);
+    const bool passing_3 = (costs_3 <= protection_phase_x_sum_5) || hall_position_three_equal(excluded, 3.0f);
     float limit = test_threshold;
     float protection_phase_x_choice;
     float doubted_choice = limit_phase;
@@ -997,30 +998,30 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float doubted_choice_2 = limit_yaw;
     if (none_protection_phase_x) {
         protection_phase_x_choice = (undetected *
-            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_limited, protection_phase_x_sum),
-            protection_phase_x_sum_2))) + (level_sigmas * deviation_phase_x);
+            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_sum, protection_phase_x_sum_2),
+            protection_phase_x_sum_3))) + (level_sigmas * deviation_phase_x);
         protection_phase_y_choice = (undetected *
-            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_y_limited, protection_phase_y_sum),
-            protection_phase_y_sum_2))) + (level_sigmas * deviation_phase_y);
-        level = (undetected * sqrtf(hall_position_three_max(hall_position_three_max(protection_yaw_limited,
-            protection_yaw_sum), protection_yaw_sum_2))) + (level_sigmas * deviation_yaw);
+            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_y_sum, protection_phase_y_sum_2),
+            protection_phase_y_sum_3))) + (level_sigmas * deviation_phase_y);
+        level = (undetected * sqrtf(hall_position_three_max(hall_position_three_max(protection_yaw_sum,
+            protection_yaw_sum_2), protection_yaw_sum_3))) + (level_sigmas * deviation_yaw);
     } else {
         limit = hypothesis_threshold;
-        const float protection_phase_x_sum_5 = steps_1_phase_x - moved_1;
-        const float protection_phase_y_sum_3 = steps_2_phase_x - moved_2;
-        const float protection_yaw_sum_3 = steps_3_phase_x - moved_3;
+        const float protection_phase_x_sum_6 = steps_1_phase_x - moved_1;
+        const float protection_phase_y_sum_4 = steps_2_phase_x - moved_2;
+        const float protection_yaw_sum_4 = steps_3_phase_x - moved_3;
         float apart_protection_phase_x = 0.0f;
-        float added_protection_phase_x = protection_phase_x_limited;
+        float added_protection_phase_x = protection_phase_x_sum;
         float apart_protection_phase_y = 0.0f;
-        float added_protection_phase_y = protection_phase_y_limited;
+        float added_protection_phase_y = protection_phase_y_sum;
         float apart_protection_yaw = 0.0f;
-        float added_protection_yaw = protection_yaw_limited;
+        float added_protection_yaw = protection_yaw_sum;
         if (passing_1) {
-            apart_protection_phase_x = fabsf(protection_phase_x_sum_5 - ((moves_1_1_phase_x *
+            apart_protection_phase_x = fabsf(protection_phase_x_sum_6 - ((moves_1_1_phase_x *
                 protection_phase_x_product) + (moves_2_1_phase_x * protection_phase_x_product_2)));
-            apart_protection_phase_y = fabsf(protection_phase_y_sum_3 -
+            apart_protection_phase_y = fabsf(protection_phase_y_sum_4 -
                 ((moves_2_2_phase_x * protection_phase_x_product_2) - (minus_moves_1_2 * protection_phase_x_product)));
-            apart_protection_yaw = fabsf(protection_yaw_sum_3 -
+            apart_protection_yaw = fabsf(protection_yaw_sum_4 -
                 ((moves_1_3_phase_x * protection_phase_x_product) - (minus_moves_2_3 * protection_phase_x_product_2)));
         } else {
             added_protection_phase_x = 0.0f;
@@ -1028,26 +1029,26 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             added_protection_yaw = 0.0f;
         }
         if (passing_2) {
-            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_5
+            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6
                 - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product_3))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum);
-            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_3
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_2);
+            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4
                 - ((moves_4_2 * protection_phase_x_product_3) - (minus_moves_3_2 * scores_3_times_gains_3))));
-            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum);
-            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_3 -
+            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_2);
+            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
                 ((moves_3_3 * scores_3_times_gains_3) - (minus_moves_4_3 * protection_phase_x_product_3))));
-            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum);
+            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_2);
         }
         if (passing_3) {
-            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_5
+            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6
                 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * scores_6_phase_x_times_gain))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_2);
-            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_3
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_3);
+            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4
                 - ((moves_6_2 * scores_6_phase_x_times_gain) - (minus_moves_5_2 * scores_5_times_gains_5))));
-            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_2);
-            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_3 -
+            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_3);
+            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
                 ((moves_5_3 * scores_5_times_gains_5) - (minus_moves_6_3 * scores_6_phase_x_times_gain))));
-            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_2);
+            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_3);
         }
         protection_phase_x_choice = apart_protection_phase_x +
             (level_noise * sqrtf(diagonal_1 + added_protection_phase_x));

@@ -3,7 +3,10 @@
     low <= u && u <= high   true:  low <= u <= high, and u is not NaN
                             false: no information that one interval can express
     fabs(u) <= h            true:  -h <= u <= h
+    fabs(u) >= l            true:  u >= l where u is known not to be negative, u <= -l where it is not positive
     u^2 + v^2 + .. <= h     true:  -sqrt(h) <= u <= sqrt(h), v likewise
+
+What is known of a value before is never given up: a narrowed interval lies in it.
 
 Rounding to nearest is monotone, so a sum of numbers that are not negative is not below any of them, and the rounded
 square of u is at most h. Then u^2 is below the number after h.
@@ -189,10 +192,10 @@ def _narrow_flag(
     a = R[k]
     if not holds:
         zero = np.zeros_like(a.low)
-        return _propagate(nodes, k, intersection(a, Interval(zero, zero, np.zeros_like(a.nan))))
+        return _propagate(nodes, k, intersection(a, Interval(zero, zero, np.zeros_like(a.nan))), R)
     if k in whole:
         low, high = np.where(a.low >= 0, np.maximum(a.low, 1), a.low), np.where(a.high <= 0, -1, a.high)
-        return _propagate(nodes, k, Interval(low, high, a.nan))
+        return _propagate(nodes, k, Interval(low, high, a.nan), R)
     return {}
 
 
@@ -205,7 +208,7 @@ def _narrow_comparison(
             return {}
         both = intersection(a, b)
         both = Interval(both.low, both.high, np.zeros_like(both.nan))
-        return intersect((_propagate(nodes, i, both), _propagate(nodes, j, both)))
+        return intersect((_propagate(nodes, i, both, R), _propagate(nodes, j, both, R)))
     steps = i in whole and j in whole
     if holds:
         a, b = (Interval(s.low, s.high, np.zeros_like(s.nan)) for s in _narrow_by_order(a, b, node.op == "lt", steps))
@@ -213,7 +216,7 @@ def _narrow_comparison(
         below, above = _narrow_by_order(b, a, node.op == "le", steps)
         # If the other side is NaN, the comparison fails whatever this side is.
         a, b = _unless(b.nan, above, a), _unless(a.nan, below, b)
-    return intersect((_propagate(nodes, i, a), _propagate(nodes, j, b)))
+    return intersect((_propagate(nodes, i, a, R), _propagate(nodes, j, b, R)))
 
 
 def _narrow_by_order(a: Interval, b: Interval, strictly: bool, steps: bool) -> tuple[Interval, Interval]:
@@ -230,20 +233,28 @@ def _unless(mask: Array, narrowed: Interval, before: Interval) -> Interval:
     return Interval(low, high, before.nan)
 
 
-def _propagate(nodes: Sequence[Node], k: int, a: Interval) -> Narrowing:
+def _propagate(nodes: Sequence[Node], k: int, a: Interval, R: Mapping[int, Interval]) -> Narrowing:
     """Propagate an interval of node k back through negations, absolute values, squares and sums of squares."""
-    node = nodes[k]
+    node, a = nodes[k], intersection(a, R[k]) if k in R else a
     if node.op == "neg":
-        return {k: a} | _propagate(nodes, node.args[0], Interval(-a.high, -a.low, a.nan))
+        return {k: a} | _propagate(nodes, node.args[0], Interval(-a.high, -a.low, a.nan), R)
     if node.op == "fabs":
-        return {k: a} | _propagate(nodes, node.args[0], Interval(-a.high, a.high, a.nan))
+        return {k: a} | _propagate(nodes, node.args[0], _of_magnitude(a.low, a, R.get(node.args[0])), R)
     if _is_square(node):
-        root = _upper_root(a.high)
-        return {k: a} | _propagate(nodes, node.args[0], Interval(-root, root, a.nan))
+        part = Interval(a.low, _upper_root(a.high), a.nan)
+        return {k: a} | _propagate(nodes, node.args[0], _of_magnitude(_lower_root(a.low), part, R.get(node.args[0])), R)
     if _is_sum_of_squares(nodes, k):
         part = Interval(np.zeros_like(a.low), a.high, a.nan)
-        return {k: a} | intersect(_propagate(nodes, n, part) for n in node.args)
+        return {k: a} | intersect(_propagate(nodes, n, part, R) for n in node.args)
     return {k: a}
+
+
+def _of_magnitude(least: Array, a: Interval, known: Interval | None) -> Interval:
+    """Return u, whose magnitude is `least` to a.high, where the sign that is `known` of it serves."""
+    if known is None:
+        return Interval(-a.high, a.high, a.nan)
+    least = np.maximum(least, 0)
+    return Interval(np.where(known.low >= 0, least, -a.high), np.where(known.high <= 0, -least, a.high), a.nan)
 
 
 def bounds_of_squares(nodes: Sequence[Node], condition: int, scalar: type[np.floating]) -> dict[int, float]:
@@ -252,7 +263,7 @@ def bounds_of_squares(nodes: Sequence[Node], condition: int, scalar: type[np.flo
     if node.op not in ("le", "lt") or nodes[node.args[1]].op != "literal":
         return {}
     at_most = Interval(np.zeros((), scalar), np.asarray(scalar(nodes[node.args[1]].value)), np.zeros((), bool))
-    narrowed = _propagate(nodes, node.args[0], at_most)
+    narrowed = _propagate(nodes, node.args[0], at_most, {})
     squared = [nodes[k].args[0] for k in narrowed if _is_square(nodes[k])]
     return {u: float(narrowed[u].high) for u in squared}
 
@@ -262,6 +273,12 @@ def _upper_root(high: Array) -> Array:
     above = high.dtype.type(inf)
     root = np.nextafter(np.sqrt(np.nextafter(np.maximum(high, 0), above)), above)
     return np.where(high < 0, -root, root)
+
+
+def _lower_root(low: Array) -> Array:
+    """Return a bound of |u| where the rounded u^2 is at least `low`; 0 where there is none."""
+    none = low.dtype.type(0)
+    return np.nextafter(np.sqrt(np.nextafter(np.maximum(low, 0), none)), none)
 
 
 Test = Callable[[Interval, list[Interval]], Mask]  # of an operation's result and arguments (n,)

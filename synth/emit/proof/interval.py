@@ -80,10 +80,11 @@ def hull(a: Interval, b: Interval) -> Interval:
     return Interval(low, high, a.nan | b.nan)
 
 
-def unrounded(a: Interval) -> Interval:
-    """Return an enclosure of an exact product whose rounded value lies in `a`."""
+def unrounded(a: Interval, positive: Mask | bool = False) -> Interval:
+    """Return an enclosure of an exact product whose rounded value lies in `a`; where `positive` it is not below 0."""
     bound = a.low.dtype.type(inf)
-    return Interval(np.nextafter(a.low, -bound), np.nextafter(a.high, bound), a.nan)
+    low = np.nextafter(a.low, -bound)
+    return Interval(np.where(positive, np.maximum(low, 0), low), np.nextafter(a.high, bound), a.nan)
 
 
 def truth(a: Interval) -> Interval:

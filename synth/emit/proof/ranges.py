@@ -181,7 +181,11 @@ def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, 
         return libm.transfer("sq", [R[node.args[0]]], arithmetic.ulps)
     args = [R[a] for a in node.args]
     if node.op in ("add", "sub") and arithmetic.contracted:
-        args = [unrounded(a) if k in s.products else a for k, a in zip(node.args, args, strict=True)]
+        nodes = s.program.nodes
+        args = [
+            unrounded(a, _is_positive(nodes[k], R)) if k in s.products else a
+            for k, a in zip(node.args, args, strict=True)
+        ]
     if node.op == "table":
         return lookup(s.program.tables[node.name], args[0])
     if node.op == "polynomial":
@@ -189,6 +193,18 @@ def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, 
     if node.op not in libm.FUNCTIONS and node.op not in libm.EXACT:
         raise EmitError(f"operation '{node.op}' has no enclosure: give it one in the table of its kind")
     return libm.transfer(node.op, args, arithmetic.ulps)
+
+
+def _is_positive(node: Node, R: Mapping[int, Interval]) -> Mask | bool:
+    """Return where an exact product is not negative: a square, or a product of two numbers of one sign."""
+    if node.op == "sq" or (node.op == "mul" and node.args[0] == node.args[1]):
+        return True
+    if node.op == "twice":
+        return R[node.args[0]].low >= 0
+    if node.op != "mul":
+        return False
+    a, b = (R[k] for k in node.args)
+    return ((a.low >= 0) & (b.low >= 0)) | ((a.high <= 0) & (b.high <= 0))
 
 
 def _select(arms: _Arms, k: int) -> Interval:

@@ -154,6 +154,47 @@ def test_an_arm_is_checked_under_its_condition() -> None:
     assert "violated" in refusal(make(both))
 
 
+GUARDED: list[Law] = [
+    lambda u: ca.if_else(ca.fabs(u["z"]) > 0.1, 1 / u["z"], 0),
+    lambda u: ca.if_else(ca.fabs(u["z"]) >= 1e-3, u["w"] / u["z"], 0),
+    lambda u: ca.if_else(ca.fabs(u["z"]) < 0.1, 0, u["w"] / u["z"]),
+    lambda u: ca.if_else(u["z"] * u["z"] > 0.01, 1 / u["z"], 0),
+    lambda u: ca.if_else(ca.fabs(u["z"]) > 0.1, u["w"] / u["z"], ca.if_else(ca.fabs(u["w"]) > 0.1, 1 / u["w"], 0)),
+    lambda u: u["w"] / (u["z"] + ca.if_else(u["z"] >= 0, 0.1, -0.1)),
+]
+UNGUARDED: list[Law] = [
+    lambda u: ca.if_else(ca.fabs(u["z"]) >= 0, 1 / u["z"], 0),
+    lambda u: ca.if_else(ca.fabs(u["z"]) < 0.1, 1 / u["z"], 0),
+    lambda u: ca.if_else(u["z"] * u["z"] < 0.01, 1 / u["z"], 0),
+    lambda u: ca.if_else(ca.fabs(u["w"]) > 0.1, 1 / u["z"], 0),
+    lambda u: ca.if_else(ca.fabs(u["z"] - 0.5) > 0.1, 1 / u["z"], 0),
+]
+ROOTS: list[Law] = [
+    lambda u: ca.sqrt(u["z"] ** 2 + u["w"] ** 2),
+    lambda u: ca.sqrt(u["z"] ** 2 + 2 * u["w"] ** 2),
+    lambda u: ca.sqrt(0.5 * (u["z"] * u["z"] + u["w"] * u["w"])),
+    lambda u: ca.sqrt((u["z"] - u["w"]) ** 2 + u["w"] ** 2),
+    lambda u: ca.sqrt(ca.fabs(u["z"]) * ca.fabs(u["w"]) + u["w"] ** 2),
+]
+NO_ROOTS: list[Law] = [
+    lambda u: ca.sqrt(u["z"] ** 2 - u["w"] ** 2),
+    lambda u: ca.sqrt(u["z"] ** 2 + u["z"] * u["w"]),
+    lambda u: ca.sqrt(u["z"] * ca.fabs(u["w"]) + u["w"] ** 2),
+]
+BOTH_SIDES = (Signal("z", "m", -1, 1), Signal("w", "m", -1, 1))
+
+
+@pytest.mark.parametrize("scalar", [F32, F64])
+@pytest.mark.parametrize("law", [*GUARDED, *ROOTS])
+def test_a_magnitude_that_a_condition_or_a_square_bounds_is_used(law: Law, scalar: type[np.floating]) -> None:
+    prove(make(law, *BOTH_SIDES), scalar)
+
+
+@pytest.mark.parametrize("law", [*UNGUARDED, *NO_ROOTS])
+def test_a_condition_that_leaves_zero_guards_nothing(law: Law) -> None:
+    assert "violated" in refusal(make(law, *BOTH_SIDES))
+
+
 def test_an_arm_is_bisected_under_its_condition() -> None:
     def law(u: Any, limit: float) -> ca.SX:
         return ca.if_else(u["v"] * u["w"] < limit, 1 / (1 + u["v"] * u["w"] - 0.25 * u["v"] * u["w"] * u["w"]), 0)
