@@ -80,10 +80,12 @@ def call(folder: Path, *words: str, name: str = "levitator_2dof") -> subprocess.
 
 
 @contextmanager
-def running(folder: Path, *words: str, name: str = "levitator_2dof") -> Iterator["Loop"]:
-    """Start the loop of a project in a folder; end it afterwards."""
+def running(folder: Path, *words: str, name: str = "levitator_2dof", output: int | None = None) -> Iterator["Loop"]:
+    """Start the loop of a project in a folder and a group of processes; end it afterwards."""
     log = (folder / "log.txt").open("w+")
-    process = subprocess.Popen([f"./{name}", "--run", ".", *words], cwd=folder, stderr=log, stdout=log)
+    out = log if output is None else output
+    command = [f"./{name}", "--run", ".", *words]
+    process = subprocess.Popen(command, cwd=folder, stderr=out, stdout=out, process_group=0)
     loop = Loop(process, folder, name)
     try:
         yield loop

@@ -1,10 +1,13 @@
 """The state machine in real time: start, stop, and every way to lose the loop, its sensors, its disk or its client."""
 
+import contextlib
 import mmap
 import os
 import platform
 import resource
+import shlex
 import signal
+import socket
 import struct
 import subprocess
 import time
@@ -82,12 +85,12 @@ def test_missed_periods_are_counted_and_the_rest_is_in_the_histogram(loop: Path)
     assert bins == samples and samples + missed >= 2000
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGQUIT, signal.SIGTSTP])
 def test_a_signal_makes_the_outputs_safe_and_ends(number: int, loop: Path, memory: Memory) -> None:
     with harness.running(loop, *SHM) as running:
         running.wait("phase=running")
         assert memory.enabled
-        running.process.send_signal(number)
+        os.killpg(running.process.pid, number)  # as a terminal does
         assert running.end() == 0
     memory.wait_safe()
     assert "disabled: the process was asked to end" in running.log
@@ -106,6 +109,94 @@ def test_a_killed_loop_is_made_safe_by_the_watchdog(loop: Path, memory: Memory) 
         assert running.end() == 3
     memory.wait_safe()
     assert "watchdog: the loop died of signal 9" in running.log and "the outputs are safe" in running.log
+
+
+def test_a_log_whose_reader_is_gone_ends_nobody(loop: Path, memory: Memory) -> None:
+    reader, writer = os.pipe()
+    with harness.running(loop, *SHM, output=writer) as running:
+        os.close(writer)
+        running.wait("phase=running")
+        os.close(reader)
+        assert running.ask("stop") == "ok"
+        running.wait("phase=disabled")
+        running.process.terminate()
+        assert running.end() == 0
+    memory.wait_safe()
+
+
+@pytest.mark.parametrize("kind", ["pipe", "socket"])
+def test_a_log_that_nobody_reads_does_not_delay_the_safe_outputs(kind: str, loop: Path, memory: Memory) -> None:
+    """What it does not take is lost. Where it blocks all the same, the watchdog's words come last."""
+    reader, writer = [s.detach() for s in socket.socketpair()] if kind == "socket" else os.pipe()
+    os.set_blocking(writer, False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            os.write(writer, bytes(100))
+    os.set_blocking(writer, True)
+    memory.sense(1e-4, 0.0)
+    with harness.running(loop, *SHM, output=writer) as running:
+        running.wait("phase=running")
+        assert memory.enabled and memory.outputs[0] != 0.0
+        os.set_blocking(writer, True)
+        os.kill(running.child, signal.SIGKILL)
+        memory.wait_safe()
+        if kind == "socket":
+            running.process.kill()
+        assert running.end() == (-9 if kind == "socket" else 3)
+    os.close(reader)
+    os.close(writer)
+
+
+USER = """#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include "channels.h"
+static int file, reads;
+int user_open(const channels_t *channels)
+{
+    (void)channels;
+    file = open("outputs", O_RDWR | O_CREAT, 0600);
+    return 0;
+}
+int user_read(const channels_t *channels, double raw[])
+{
+    (void)channels;
+    raw[0] = 1.5; /* V, 0.1 mm */
+    raw[1] = 0.0;
+    if (++reads == 2000 && getenv("LEAVE")) exit(1);
+    return 0;
+}
+int user_write(const channels_t *channels, const double raw[], int enabled)
+{
+    const double words[3] = {raw[0], raw[1], enabled};
+    (void)channels;
+    if (reads > 2000 && getenv("FAIL_WRITES")) return -1;
+    return pwrite(file, words, sizeof words, 0) > 0 ? 0 : -1;
+}
+void user_close(void) { }
+"""
+
+
+def test_hardware_that_ends_the_process_or_takes_no_outputs_is_not_trusted(
+    loop: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = harness.export("levitator_2dof", loop / "own")
+    (folder / "io_user.c").write_text(USER)
+    harness.build(folder)
+    words = ("--io", "user", *STALL, "--seconds", "3")
+    monkeypatch.setenv("LEAVE", "1")
+    left = harness.call(folder, *words)
+    assert left.returncode == 3 and "watchdog: the loop left its run with exit status 1" in left.stderr
+    assert "watchdog: the outputs are safe" in left.stderr
+    assert struct.unpack("3d", (folder / "outputs").read_bytes()) == (0.0, 0.0, 0.0)
+    monkeypatch.delenv("LEAVE")
+    monkeypatch.setenv("FAIL_WRITES", "1")
+    failed = harness.call(folder, *words)
+    assert failed.returncode == 1
+    assert "the last outputs could not be written: the outputs are NOT SAFE: cut the power" in failed.stderr
+    assert "disabled: the hardware could not be written: the outputs may be NOT SAFE" in failed.stderr
+    assert struct.unpack("3d", (folder / "outputs").read_bytes())[2] == 1.0, "as the message says"
 
 
 def test_a_loop_that_stands_still_is_killed_and_made_safe(loop: Path, memory: Memory) -> None:
@@ -182,6 +273,12 @@ def test_a_full_disk_makes_the_outputs_safe(loop: Path, memory: Memory) -> None:
         assert running.end() == 1
     memory.wait_safe()
     assert "disabled: the recording could not be written" in running.log
+
+
+def test_a_lost_record_is_named_at_the_end(loop: Path) -> None:
+    done = harness.call(loop, "--lockstep", "10", "--record", "/dev/full")
+    assert done.returncode == 1
+    assert "the recording could not be written: No space left on device: its end is lost" in done.stderr
 
 
 def test_a_disk_that_fills_up_makes_the_outputs_safe(loop: Path) -> None:
@@ -318,6 +415,70 @@ def test_a_stop_in_motion_brakes_first(loop: Path) -> None:
     assert 0.35 < 5e-4 * np.count_nonzero(braking) <= 0.4
     speed = np.abs(np.diff(log.samples["x_ref"][braking]))
     assert speed[0] > 0 and np.all(speed[250:] == 0), "the set-point is at rest after 0.1 s"
+
+
+def test_a_stop_that_a_hold_follows_still_brakes(loop: Path) -> None:
+    with harness.running(loop, *PLANT, "--record", "run.csv") as running:
+        running.wait("phase=running moving=0")
+        assert running.ask("sine x_ref 2e-4 5 1000") == "ok"
+        time.sleep(0.5)
+        assert running.ask("stop") == "ok" and running.ask("hold") == "ok"
+        running.wait("phase=disabled")
+    log = records.read(loop / "run.csv")
+    speed = np.abs(np.diff(log.samples["x_ref"][log.samples["phase"] == 4]))
+    assert speed[0] > 0 and np.all(speed[250:] == 0)
+
+
+def test_two_steps_in_a_row_are_measured_from_where_the_machine_settled(loop: Path) -> None:
+    with harness.running(loop, *PLANT, "--record", "run.csv") as running:
+        running.wait("phase=running moving=0")
+        with running.connect() as connection:
+            assert harness.ask(connection, "step z_ref 1e-4") == "ok"
+            assert "needs a running machine at rest" in harness.ask(connection, "step z_ref -1e-4")
+            harness.ask(connection, "hold")
+            assert "needs a running machine at rest" in harness.ask(connection, "step z_ref -1e-4")
+        running.wait("moving=0")
+        assert running.ask("step z_ref 0") == "ok"
+        running.wait("moving=0")
+    log = records.read(loop / "run.csv")
+    steps = np.flatnonzero(np.abs(np.diff(log.samples["z_ref"])) > 5e-5)
+    assert len(steps) == 2 and np.diff(steps)[0] >= 599, "0.3 s"
+
+
+@pytest.fixture(scope="module")
+def motions(built: Path) -> Path:
+    """A program of the machine alone, with a stage of large ranges."""
+    sources = [
+        Path(__file__).with_name("motions.c"),
+        *(built / "src" / f"{n}.c" for n in ("machine", "motion", "rest")),
+    ]
+    flags = ["-std=c99", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Werror", "-I", "src", "-I", "controller"]
+    command = [*shlex.split(harness.compiler()), *flags, *map(str, sources), "-o", "motions", "-lm"]
+    subprocess.run(command, cwd=built, check=True)
+    return built / "motions"
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        "sine x_ref 0.095 1.37 6",
+        "circle z_ref x_ref 0.095 1.37 2",
+        "sine x_ref 0.0001 42 20",
+        "move x_ref 0.09",
+        "ramp x_ref 0.09 0.37",
+        "zigzag x_ref 0.09 0.7 2",
+    ],
+)
+def test_a_hold_or_a_stop_keeps_the_limit_of_the_acceleration(motion: str, motions: Path) -> None:
+    done = subprocess.run([motions, *motion.split()], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+    used, longest = map(float, done.stdout.split())
+    assert used <= 1.02, "of the limit, in finite differences"
+    assert 0.099 < longest < 0.2
+
+
+def test_set_points_that_are_no_numbers_stay(motions: Path) -> None:
+    assert subprocess.run([motions], capture_output=True, text=True).stdout == "0.05 -0.05\n"
 
 
 @pytest.mark.whole

@@ -1,5 +1,6 @@
 """The files of an export: every stage builds without a warning, refusals say what to do, the user's files stay."""
 
+import os
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -120,6 +121,31 @@ def test_the_command_refuses_another_target(monkeypatch: pytest.MonkeyPatch, tmp
     command = ["export", "levitator_2dof", "--target", "dsp", "--out", str(tmp_path / "loop")]
     result = CliRunner().invoke(cli.app, command)
     assert isinstance(result.exception, DesignError) and not (tmp_path / "loop").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        *((("--io", io, "--lockstep", "9"), "for --io plant alone, not for") for io in ("user", "comedi", "shm")),
+        (("--cpu", "2000"), "'--cpu 2000' is no option with its value: give a number from 0 to 1023\n"),
+        (("--help",), "usage: ./levitator_2dof [--io"),
+        (("--motion", "move" + " z_ref 0" * 80), "is longer than 511 bytes or 63 words: give a shorter one"),
+        (("--motion", "move" + " z_ref 0" * 32), "is longer than 511 bytes or 63 words: give a shorter one"),
+        (("--motion", "move z_ref 0") * 17, ": at most 16 motions are possible"),
+        (("--lockstep", "9", "--record", "channels.toml"), "File exists: give a new file in a folder that is there"),
+    ],
+)
+def test_the_program_says_what_is_possible(words: tuple[str, ...], message: str, loop: Path) -> None:
+    done = harness.call(loop, *words)
+    assert done.returncode == 2 and message in done.stderr and "'--help" not in done.stderr
+
+
+@pytest.mark.parametrize("value", ["", "sub"])
+def test_a_folder_of_the_environment_that_is_no_absolute_path_is_none(value: str, loop: Path) -> None:
+    (loop / "sub").mkdir()
+    environment = {**os.environ, "XDG_RUNTIME_DIR": value}
+    subprocess.run(["./levitator_2dof", "--lockstep", "9"], cwd=loop, env=environment, check=True, capture_output=True)
+    assert (loop / "levitator_2dof.lock").exists() and not list((loop / "sub").iterdir())
 
 
 def test_a_record_reads_back_as_a_log(tmp_path: Path) -> None:

@@ -7,8 +7,7 @@
 #define GOOD_S 0.1    /* of good sensors before a start */
 #define REST_S 0.25   /* without a movement before a start */
 #define ENABLE_S 0.1  /* under the safe output, until the amplifiers are on */
-#define BRAKE_S 0.1   /* in which the set-points of a held motion come to rest on its path */
-#define SETTLE_S 0.3  /* in which the machine follows them, before the outputs of a stop go to the safe ones */
+#define BRAKE_S 0.1   /* at least, in which the set-points of a held motion come to rest on its path */
 #define STILL_S 0.5   /* of unchanged outputs after a latch, before the amplifiers go off */
 #define KEPT_S 2.0    /* of the safe output, before the process may end and leave it on */
 
@@ -81,7 +80,7 @@ void machine_command(machine_t *machine, const command_t *command)
             machine->holding = 0;
         }
         break;
-    case COMMAND_HOLD: machine->holding = machine->phase == RUNNING; break;
+    case COMMAND_HOLD: machine->holding |= machine->phase == RUNNING; break;
     case COMMAND_START:
         if (machine_may_start(machine)) enter(machine, WAITING);
         break;
@@ -90,17 +89,39 @@ void machine_command(machine_t *machine, const command_t *command)
     }
 }
 
+/* The rate of a held motion in the next sample. Its acceleration is a rate^2 + v d(rate)/dt, where v and a are those of
+ * the motion at its rate of 1: what a leaves of each limit is there to brake with. */
+static double brake(const machine_t *machine)
+{
+    double before[SET_POINTS_SIZE], here[SET_POINTS_SIZE], after[SET_POINTS_SIZE], slower = STAGE_PERIOD_S / BRAKE_S;
+    memcpy(before, machine->set_points, sizeof before);
+    memcpy(here, machine->set_points, sizeof here);
+    memcpy(after, machine->set_points, sizeof after);
+    motion_at(&machine->motion, machine->t - STAGE_PERIOD_S, before);
+    motion_at(&machine->motion, machine->t, here);
+    motion_at(&machine->motion, machine->t + STAGE_PERIOD_S, after);
+    for (int i = 0; i < N_SET_POINTS; i++) {
+        const double v = (after[i] - before[i]) / (2.0 * STAGE_PERIOD_S);
+        const double bend = (after[i] - 2.0 * here[i] + before[i]) / (STAGE_PERIOD_S * STAGE_PERIOD_S);
+        const double a = machine->rate * machine->rate * bend;
+        const double left = fmax(LIMITS[i].acceleration + (v > 0.0 ? a : -a), 0.0);
+        if (fabs(v) * slower > left * STAGE_PERIOD_S) slower = left * STAGE_PERIOD_S / fabs(v);
+    }
+    return fmax(machine->rate - slower, 0.0);
+}
+
 /* A held motion goes on ever more slowly: the set-points stay on the path that was checked. */
 static void move(machine_t *machine)
 {
     if (!machine_is_moving(machine)) return;
-    if (machine->holding) machine->rate = fmax(machine->rate - STAGE_PERIOD_S / BRAKE_S, 0.0);
+    if (machine->holding && machine->motion.kind != MOTION_STEP) machine->rate = brake(machine);
     machine->t += machine->rate * STAGE_PERIOD_S;
     const int over = machine->t >= machine->motion.duration - 0.5 * STAGE_PERIOD_S;
     motion_at(&machine->motion, over ? machine->motion.duration : machine->t, machine->set_points);
     if (over || !(machine->rate > 0.0)) {
         machine->motion.kind = MOTION_NONE;
         if (machine->phase == STARTING) enter(machine, RUNNING);
+        machine->since = 0u; /* it settles from here on */
     }
 }
 
@@ -171,7 +192,9 @@ void machine_sample(machine_t *machine, const double sensors[], double missed)
     switch (machine->phase) {
     case BRAKING:
         call(machine, missed);
-        if (machine->phase == BRAKING && machine->since >= SAMPLES(BRAKE_S + SETTLE_S)) enter(machine, STOPPING);
+        if (machine->phase == BRAKING && !machine_is_moving(machine) && machine->since >= SAMPLES(SETTLE_S)) {
+            enter(machine, STOPPING);
+        }
         break;
     case STARTING: case RUNNING: case LATCHED_PHASE: call(machine, missed); break;
     case STOPPING:

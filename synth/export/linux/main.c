@@ -8,6 +8,7 @@
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "options.h"
@@ -28,7 +29,22 @@ static void note_signal(int number)
     stop_signal = number;
 }
 
-/* One instance drives the machine. Return 0, or -1 after a message. */
+/* What a full pipe or a held terminal does not take at once is lost: a log that nobody reads stops no thread. It is
+ * opened again, as the flag of the inherited one belongs to the shell, too; a socket cannot be. */
+static void unblock_log(void)
+{
+    struct stat log;
+    if (fstat(STDERR_FILENO, &log) != 0 || S_ISREG(log.st_mode)) return;
+    const int file = open("/proc/self/fd/2", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (file < 0 && !S_ISCHR(log.st_mode)) {
+        (void)fcntl(STDERR_FILENO, F_SETFL, fcntl(STDERR_FILENO, F_GETFL) | O_NONBLOCK);
+    } else if (file >= 0) {
+        (void)dup2(file, STDERR_FILENO);
+        (void)close(file);
+    }
+}
+
+/* One instance in this folder drives the machine. Return 0, or -1 after a message. */
 static int lock(const char *folder)
 {
     char path[4096];
@@ -49,8 +65,13 @@ static int plan(const options_t *options)
     for (int k = 0; k < options->motion_count; k++) {
         char text[512], message[256], *words[64], *rest = text;
         int count = 0;
-        (void)snprintf(text, sizeof text, "%s", options->motions[k]);
+        const size_t length = (size_t)snprintf(text, sizeof text, "%s", options->motions[k]);
         for (char *word; count < 64 && (word = strtok_r(rest, " ", &rest)) != NULL;) words[count++] = word;
+        if (length >= sizeof text || count == 64) {
+            (void)fprintf(stderr, "--motion '%.40s...' is longer than %zu bytes or 63 words: give a shorter one\n",
+                text, sizeof text - 1u);
+            return -1;
+        }
         if (motion_parse(words, count, from, &motions[k], message, sizeof message) != 0) {
             (void)fprintf(stderr, "--motion '%s': %s\n", options->motions[k], message);
             return -1;
@@ -69,9 +90,10 @@ static const char *end_reason(const options_t *options, uint64_t time)
 }
 
 /* What makes the outputs safe and leaves the process to its clients; NULL for nothing. */
-static const char *stop_reason(const options_t *options, uint64_t missed, int io_failed)
+static const char *stop_reason(const options_t *options, uint64_t missed, int write_failed, int read_failed)
 {
-    if (io_failed) return "the hardware could not be read or written";
+    if (write_failed) return "the hardware could not be written: the outputs may be NOT SAFE: cut the power";
+    if (read_failed) return "the hardware could not be read or written";
     if (options->late != LATE_SAFE || (double)missed < options->late_limit) return NULL;
     return "too many periods were missed in a row";
 }
@@ -117,11 +139,15 @@ static void record(const machine_t *m, double t, uint64_t missed, int wait)
     recorder_push(&r, wait);
 }
 
-static void report(const machine_t *m, uint64_t calls, const lateness_t *late)
+static void report(const machine_t *m, uint64_t calls, const lateness_t *late, int unsafe)
 {
     char faults[1024];
+    if (unsafe) (void)fprintf(stderr, "%s: the last outputs could not be written: the outputs are NOT SAFE: cut the "
+        "power\n", STAGE_NAME);
+    if (recorder_error()) (void)fprintf(stderr, "%s: the recording could not be written: %s: its end is lost\n",
+        STAGE_NAME, strerror(recorder_error()));
     fault_text(m->latch_cause, faults, sizeof faults);
-    if (m->enabled) (void)fprintf(stderr, "%s: the amplifiers stay on, with the safe output\n", STAGE_NAME);
+    if (m->enabled && !unsafe) (void)fprintf(stderr, "%s: the amplifiers stay on, with the safe output\n", STAGE_NAME);
     (void)fprintf(stderr, "%s: %llu samples, %llu periods missed, %llu records dropped; ended %s: %s; latched by: %s\n",
         STAGE_NAME, (unsigned long long)calls, (unsigned long long)late->missed, (unsigned long long)recorder_dropped(),
         PHASES[m->phase], m->reason ? m->reason : "-", faults);
@@ -156,7 +182,7 @@ static int run(const options_t *options, shared_t *shared)
         }
         if (options->late == LATE_HOLD && missed) machine_command(m, &(command_t){.order = COMMAND_HOLD});
         const char *const end = end_reason(options, time);
-        const char *const reason = end ? end : stop_reason(options, missed, failed || read_failed);
+        const char *const reason = end ? end : stop_reason(options, missed, failed, read_failed);
         if (reason) machine_command(m, &(command_t){COMMAND_STOP, .reason = reason, .at_once = failed || read_failed});
         note_phase(m, &noted);
         machine_sample(m, sensors, (double)missed);
@@ -170,22 +196,19 @@ static int run(const options_t *options, shared_t *shared)
         done = (end && machine_may_end(m)) || (!options->live && (double)(sample + 1u) >= options->lockstep);
     }
     if (!options->live) m->enabled = 0; /* it ends anywhere */
-    (void)options->io->write(m->outputs, m->enabled);
+    const int unsafe = options->io->write(m->outputs, m->enabled) != 0;
     __atomic_store_n(&shared->beat, 0u, __ATOMIC_RELEASE); /* the watchdog waits */
     if (options->live) server_finish();
     recorder_finish();
     options->io->close();
-    report(m, sample, &late);
-    return (m->latch_cause || failed || recorder_error()) ? 1 : 0;
+    report(m, sample, &late, unsafe);
+    return (m->latch_cause || failed || unsafe || recorder_error()) ? 1 : 0;
 }
 
 /* The process of the loop. */
 static int loop(const options_t *options, shared_t *shared, const char *socket_path)
 {
-    struct sigaction action = {.sa_handler = note_signal};
-    (void)sigaction(SIGTERM, &action, NULL);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGHUP, &action, NULL);
+    watchdog_signals(note_signal);
     (void)signal(SIGXFSZ, SIG_IGN); /* a file at its limit is a failed write */
     for (int i = 0; i < N_SET_POINTS; i++) {
         if (LIMITS[i].measured) continue;
@@ -197,7 +220,8 @@ static int loop(const options_t *options, shared_t *shared, const char *socket_p
     if (options->record) {
         const int error = recorder_open(options->record);
         if (error) {
-            (void)fprintf(stderr, "--record %s: %s\n", options->record, strerror(error));
+            (void)fprintf(stderr, "--record %s: %s: give a new file in a folder that is there\n", options->record,
+                strerror(error));
             return 2;
         }
     }
@@ -211,6 +235,8 @@ int main(int count, char *words[])
     char socket_path[4096];
     if (options_read(count, words, &options) != 0) return 2;
     if (options.replay) return replay(options.replay);
+    (void)signal(SIGPIPE, SIG_IGN); /* a log whose reader is gone ends nobody */
+    if (options.live) unblock_log();
     if (plan(&options) != 0 || lock(options.run) != 0) return 2;
     (void)snprintf(socket_path, sizeof socket_path, "%s/" STAGE_NAME ".sock", options.run);
     shared_t *const shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);

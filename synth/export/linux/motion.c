@@ -8,6 +8,7 @@
 #define TWO_PI 6.283185307179586
 #define ROUNDED 0.1         /* of a ramp, or of a zigzag's quarter: its rounded end */
 #define LONGEST_S 3600.0    /* of a motion, all samples of which are checked */
+#define CYCLE 20.0          /* samples at least, so that they show what is between them, too */
 #define ROUNDING 1e-6       /* of a range, which is in single precision */
 #define SLACK 1e-3          /* relative, of speeds and accelerations from finite differences */
 
@@ -56,10 +57,11 @@ static void evaluate(const motion_t *motion, double t, double set_points[])
 
 void motion_at(const motion_t *motion, double t, double set_points[])
 {
-    evaluate(motion, t, set_points);
+    double r[SET_POINTS_SIZE];
+    evaluate(motion, t, r);
     for (int i = 0; i < N_SET_POINTS; i++) {
         /* It was checked but for a rounding. */
-        set_points[i] = fmin(fmax(set_points[i], SET_POINTS[i].low), SET_POINTS[i].high);
+        if (!isnan(r[i])) set_points[i] = fmin(fmax(r[i], SET_POINTS[i].low), SET_POINTS[i].high);
     }
 }
 
@@ -97,13 +99,35 @@ int parse_number(const char *text, double *value)
 static int refuse(char *message, size_t size, int i, const char *what, double value, const char *per, double limit,
     const char *mend)
 {
-    (void)snprintf(message, size, "%s of %s would be %.6g %s%s, at most %.6g is possible: %s", what, SET_POINTS[i].name,
-        value, SET_POINTS[i].unit, per, limit, mend);
+    (void)snprintf(message, size, "%s of %s would be %.6g %s%s, at %s %.6g is possible: %s", what, SET_POINTS[i].name,
+        value, SET_POINTS[i].unit, per, value < limit ? "least" : "most", limit, mend);
     return -1;
 }
 
-/* Hold range, speed and acceleration in every sample against the limits of each set-point. */
-static int check(const motion_t *motion, char *message, size_t size)
+/* Hold the farthest set-points and the largest step against their limits. A comparison with a NaN refuses it. */
+static int check_range(const motion_t *motion, char *message, size_t size)
+{
+    const int transition = motion->kind <= MOTION_RAMP;
+    for (int i = 0; i < N_SET_POINTS; i++) {
+        const signal_t *const s = &SET_POINTS[i];
+        const double to = motion->from[i] + motion->a[i], far = fabs(motion->a[i]) + fabs(motion->b[i]);
+        const double high = transition ? to : motion->from[i] + far, low = transition ? to : motion->from[i] - far;
+        const double slack = ROUNDING * (s->high - s->low);
+        if (!(high <= s->high + slack)) {
+            return refuse(message, size, i, "the value", high, "", s->high, "make it smaller");
+        }
+        if (!(low >= s->low - slack)) {
+            return refuse(message, size, i, "the value", low, "", s->low, "make it larger");
+        }
+        if (motion->kind == MOTION_STEP && !(far <= LIMITS[i].step + slack)) {
+            return refuse(message, size, i, "the step", far, "", LIMITS[i].step, "use move");
+        }
+    }
+    return 0;
+}
+
+/* Hold speed and acceleration in every sample against the limits of each set-point. */
+static int check_samples(const motion_t *motion, char *message, size_t size)
 {
     double last[SET_POINTS_SIZE], speed[SET_POINTS_SIZE] = {0.0}, r[SET_POINTS_SIZE];
     const long samples = lround(motion->duration / STAGE_PERIOD_S);
@@ -111,23 +135,12 @@ static int check(const motion_t *motion, char *message, size_t size)
     for (long k = 1; k <= samples + 1; k++) {
         evaluate(motion, (double)k * STAGE_PERIOD_S, r);
         for (int i = 0; i < N_SET_POINTS; i++) {
-            const signal_t *const s = &SET_POINTS[i];
             const limits_t *const most = &LIMITS[i];
             const double v = (r[i] - last[i]) / STAGE_PERIOD_S, a = (v - speed[i]) / STAGE_PERIOD_S;
-            const double slack = ROUNDING * (s->high - s->low);
-            if (r[i] > s->high + slack) {
-                return refuse(message, size, i, "the value", r[i], "", s->high, "make it smaller");
-            }
-            if (r[i] < s->low - slack) {
-                return refuse(message, size, i, "the value", r[i], "", s->low, "make it larger");
-            }
-            if (motion->kind == MOTION_STEP) {
-                if (fabs(motion->a[i]) > most->step + slack) {
-                    return refuse(message, size, i, "the step", fabs(motion->a[i]), "", most->step, "use move");
-                }
-            } else if (fabs(v) > (1.0 + SLACK) * most->speed) {
+            if (!(fabs(v) <= (1.0 + SLACK) * most->speed)) {
                 return refuse(message, size, i, "the speed", fabs(v), "/s", most->speed, "make it slower");
-            } else if (fabs(a) > (1.0 + SLACK) * most->acceleration) {
+            }
+            if (!(fabs(a) <= (1.0 + SLACK) * most->acceleration)) {
                 return refuse(message, size, i, "the acceleration", fabs(a), "/s^2", most->acceleration,
                     "make it slower");
             }
@@ -211,15 +224,21 @@ int motion_parse(char *words[], int count, const double from[], motion_t *motion
     if (transition) {
         const motion_t move = motion_move(from, to);
         memcpy(motion->a, move.a, sizeof motion->a);
-        motion->duration = (motion->kind == MOTION_MOVE) ? move.duration : tail[0]; /* 0 of a step */
+        motion->duration = (motion->kind == MOTION_STEP) ? SETTLE_S : n ? tail[0] : move.duration;
     } else {
         motion->frequency = tail[n - 2];
         motion->duration = ceil(tail[n - 1]) / motion->frequency;
     }
-    if (motion->duration > LONGEST_S) {
-        (void)snprintf(message, size, "the motion would take %g s, at most %g s are checked", motion->duration,
-            LONGEST_S);
+    if (check_range(motion, message, size) != 0) return -1;
+    if (!(motion->frequency * CYCLE * STAGE_PERIOD_S <= 1.0 + SLACK)) {
+        (void)snprintf(message, size, "the frequency would be %.6g Hz, at most %.6g Hz is possible, %.0f samples per "
+            "cycle: make it slower", motion->frequency, 1.0 / (CYCLE * STAGE_PERIOD_S), CYCLE);
         return -1;
     }
-    return check(motion, message, size);
+    if (!(motion->duration <= LONGEST_S)) {
+        (void)snprintf(message, size, "the motion would take %g s, at most %g s are checked: make it shorter",
+            motion->duration, LONGEST_S);
+        return -1;
+    }
+    return (motion->kind == MOTION_STEP) ? 0 : check_samples(motion, message, size);
 }

@@ -6,17 +6,20 @@
 
 #include "stage.h"
 
+#define SETTLE_S 0.3 /* in which the machine follows its set-points once these rest */
+
 typedef enum { MOTION_NONE, MOTION_STEP, MOTION_MOVE, MOTION_RAMP, MOTION_SINE, MOTION_ZIGZAG, MOTION_ELLIPSE } kind_t;
 
 /* r_i(t) = from_i + a_i A(t) + b_i B(t). A transition has A = 0 .. 1; a periodic one A = sin and, for an ellipse,
- * B = cos, which fade in during its first cycle and out during its last. */
+ * B = cos, which fade in during its first cycle and out during its last. A step is over once the machine has settled, so
+ * that the next one is measured from where the machine is. */
 typedef struct {
     kind_t kind;
     double from[SET_POINTS_SIZE], a[SET_POINTS_SIZE], b[SET_POINTS_SIZE];
     double duration, frequency; /* s, Hz */
 } motion_t;
 
-/* The set-points of a motion after t seconds. */
+/* The set-points of a motion after t seconds; one that is not a number stays as it was. */
 void motion_at(const motion_t *motion, double t, double set_points[]);
 
 /* The move from one pose to another in the least time that the limits of speed, acceleration and jerk allow. */

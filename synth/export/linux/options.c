@@ -7,7 +7,8 @@
 #include "motion.h"
 
 static const char USAGE[] =
-    "usage: %s [--io plant|shm|user|comedi] [--seconds S] [--motion 'COMMAND']... [--record FILE] [--lockstep N]\n"
+    "usage: %s [--io plant|shm|user|comedi] [--seconds S] [--motion 'COMMAND']... [--record FILE]\n"
+    "  --lockstep N               N samples of the simulated plant without real time\n"
     "  --late count|hold|safe:N   missed periods are counted, and hold the motion, or stop after N in a row\n"
     "  --stall MS                 the watchdog kills a loop that stands still for so long, 200 by default\n"
     "  --cpu N  --run FOLDER      processor; folder of the socket and the lock file\n"
@@ -33,8 +34,8 @@ static int choose_late(const char *text, options_t *options)
     return strcmp(text, "hold") == 0 || strcmp(text, "count") == 0 ? 0 : -1;
 }
 
-/* One option with its value. */
-static int take(const char *name, const char *text, options_t *o)
+/* One option with its value. Return 0, or -1, with what is allowed where that is a range. */
+static int take(const char *name, const char *text, options_t *o, char *allowed, size_t size)
 {
     const struct {
         const char *name;
@@ -58,9 +59,12 @@ static int take(const char *name, const char *text, options_t *o)
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         if (strcmp(name, numbers[i].name) != 0) continue;
         const int bad = parse_number(text, numbers[i].value) != 0;
+        (void)snprintf(allowed, size, ": give a number from %.9g to %.9g", numbers[i].low, numbers[i].high);
         return bad || *numbers[i].value < numbers[i].low || *numbers[i].value > numbers[i].high ? -1 : 0;
     }
-    if (strcmp(name, "--motion") == 0 && o->motion_count < MOTIONS) {
+    if (strcmp(name, "--motion") == 0) {
+        (void)snprintf(allowed, size, ": at most %d motions are possible", MOTIONS);
+        if (o->motion_count == MOTIONS) return -1;
         o->motions[o->motion_count++] = text;
         return 0;
     }
@@ -71,14 +75,22 @@ static int take(const char *name, const char *text, options_t *o)
 int options_read(int count, char *words[], options_t *options)
 {
     const char *const folder = getenv("XDG_RUNTIME_DIR");
-    *options = (options_t){.io = &IO_PLANT, .cpu = -1.0, .stall_ms = 200.0, .run = folder ? folder : "."};
+    const int is_folder = folder && folder[0] == '/'; /* its specification: any other one is invalid */
+    *options = (options_t){.io = &IO_PLANT, .cpu = -1.0, .stall_ms = 200.0, .run = is_folder ? folder : "."};
     options->back_end = (io_options_t){.channels = "channels.toml", .library = "libcomedi.so.0", .seed = 1.0};
     for (int k = 1; k < count; k += 2) {
-        if (k + 1 < count && take(words[k], words[k + 1], options) == 0) continue;
-        (void)fprintf(stderr, "'%s %s' is no option with its value\n", words[k], k + 1 < count ? words[k + 1] : "");
+        char allowed[64] = "";
+        if (k + 1 < count && take(words[k], words[k + 1], options, allowed, sizeof allowed) == 0) continue;
+        if (strcmp(words[k], "--help") != 0) {
+            (void)fprintf(stderr, "'%s %s' is no option with its value%s\n", words[k],
+                k + 1 < count ? words[k + 1] : "", allowed);
+        }
         (void)fprintf(stderr, USAGE, words[0]);
         return -1;
     }
     options->live = !(options->lockstep > 0.0);
-    return 0;
+    if (options->live || options->io == &IO_PLANT) return 0;
+    (void)fprintf(stderr, "--lockstep has no clock and no watchdog: it is for --io plant alone, not for %s\n",
+        options->io->name);
+    return -1;
 }

@@ -25,7 +25,17 @@ static void pause_ns(long ns)
     (void)nanosleep(&pause, NULL);
 }
 
-static void make_safe(machine_t *machine, const io_t *io)
+void watchdog_signals(void (*handler)(int))
+{
+    const int orders[] = {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGTSTP};
+    const struct sigaction action = {.sa_handler = handler};
+    for (size_t i = 0; i < sizeof orders / sizeof orders[0]; i++) (void)sigaction(orders[i], &action, NULL);
+    (void)signal(SIGTTIN, SIG_IGN);
+    (void)signal(SIGTTOU, SIG_IGN);
+}
+
+/* 1 once the outputs are safe. */
+static int make_safe(machine_t *machine, const io_t *io)
 {
     int there = !machine->enabled, written = 1;
     for (double t = 0.0; t < LONGEST_S && !there; t += STAGE_PERIOD_S) {
@@ -35,34 +45,33 @@ static void make_safe(machine_t *machine, const io_t *io)
     }
     /* Off where that is safe; else the hardware holds the safe output. */
     if (STAGE_SAFE_IS_OFF || !machine->enabled) written &= io->write(machine->outputs, 0) == 0;
-    (void)fprintf(stderr, "watchdog: the outputs are %s\n", there && written ? "safe" : "NOT SAFE: cut the power");
+    return there && written;
 }
 
 int watchdog_run(shared_t *shared, const io_t *io, pid_t loop, double stall_s)
 {
     const struct sched_param above = {.sched_priority = REALTIME_PRIORITY + 1};
-    struct sigaction action = {.sa_handler = forward};
+    char why[128];
     uint64_t last = 0u;
     int64_t since = realtime_now();
     int status;
     loop_process = (sig_atomic_t)loop;
     (void)sched_setscheduler(0, SCHED_FIFO, &above); /* where it is refused, so it is to the loop, which says so */
     (void)mlockall(MCL_CURRENT | MCL_FUTURE);
-    (void)sigaction(SIGTERM, &action, NULL);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGHUP, &action, NULL);
+    watchdog_signals(forward);
     for (;;) {
         const uint64_t beat = __atomic_load_n(&shared->beat, __ATOMIC_ACQUIRE);
         if (waitpid(loop, &status, WNOHANG) == loop) {
-            if (WIFEXITED(status)) return WEXITSTATUS(status);
-            (void)fprintf(stderr, "watchdog: the loop died of signal %d (%s)\n", WTERMSIG(status),
-                strsignal(WTERMSIG(status)));
+            const int exited = WIFEXITED(status), number = exited ? WEXITSTATUS(status) : WTERMSIG(status);
+            if (exited && __atomic_load_n(&shared->beat, __ATOMIC_ACQUIRE) == 0u) return number;
+            (void)snprintf(why, sizeof why, exited ? "the loop left its run with exit status %d%s" :
+                "the loop died of signal %d (%s)", number, exited ? "" : strsignal(number));
             break;
         }
         if (beat != last || beat == 0u) since = realtime_now();
         last = beat;
         if ((double)(realtime_now() - since) > stall_s * 1e9) {
-            (void)fprintf(stderr, "watchdog: the loop has stood still for %.0f ms and is killed\n", stall_s * 1e3);
+            (void)snprintf(why, sizeof why, "the loop has stood still for %.0f ms and is killed", stall_s * 1e3);
             /* Before the first safe output: a loop that goes on would overwrite it. */
             (void)kill(loop, SIGKILL);
             (void)waitpid(loop, &status, 0);
@@ -70,7 +79,9 @@ int watchdog_run(shared_t *shared, const io_t *io, pid_t loop, double stall_s)
         }
         pause_ns(1000000L);
     }
-    make_safe(&shared->machine, io);
+    const int safe = make_safe(&shared->machine, io);
+    /* Not earlier: a log that nobody reads may block. */
+    (void)fprintf(stderr, "watchdog: %s\nwatchdog: the outputs are %s\n", why, safe ? "safe" : "NOT SAFE: cut the power");
     io->close();
     return 3;
 }
