@@ -7,9 +7,10 @@ The frames are those of `serial.h` in a project for a microcontroller. A line is
 import os
 import select
 import struct
+import time
 import zlib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -22,6 +23,7 @@ from synth.execute import host
 
 SYNC = b"\x5a\xc3"
 VERSION = 1
+HELLO = 16  # bytes of the answer to it before the name
 REASONS = {1: "a wrong checksum", 2: "a wrong length", 3: "an unknown kind", 4: "a step that it does not have"}
 REBUILD = "build the image from a new `synth export NAME --target mcu`"
 
@@ -39,7 +41,7 @@ class Hello(NamedTuple):
 
 @dataclass(frozen=True)
 class Line:
-    """An open serial line; an answer takes at most `timeout_s`, seconds."""
+    """An open serial line that never blocks; a frame and its answer take at most `timeout_s`, seconds, together."""
 
     path: str
     fd: int
@@ -50,19 +52,20 @@ class Line:
 
         Raises SynthError where none comes, where it is damaged, and where the board refuses the frame.
         """
-        os.write(self.fd, frame(kind, content))
-        head = self._read(5)
+        end = time.monotonic() + self.timeout_s
+        self._write(frame(kind, content), end)
+        head = self._read(5, end)
         if head[:2] != SYNC:
             raise SynthError(f"{self.path}: found {head.hex(' ')}, a frame begins with {SYNC.hex(' ')}: {self._mend}")
         answer, size = head[2:3], int.from_bytes(head[3:], "little")
-        rest = self._read(size + 4)
+        rest = self._read(size + 4, end)
         checksum, needed = zlib.crc32(head[2:] + rest[:-4]), int.from_bytes(rest[-4:], "little")
         if checksum != needed:
             raise SynthError(
                 f"{self.path}: found a frame with checksum {checksum:#010x}, needs {needed:#010x}: {self._mend}"
             )
         if answer == b"E":
-            reason = REASONS.get(rest[0], f"reason {rest[0]}")
+            reason = REASONS.get(rest[0] if size else 0, f"reason '{rest[:-4].hex(' ')}'")
             raise SynthError(f"{self.path}: the board found {reason} in frame {kind!r}: {self._mend}, or {REBUILD}")
         if answer != kind:
             raise SynthError(f"{self.path}: found an answer {answer!r} to {kind!r}, need the same: {REBUILD}")
@@ -72,25 +75,56 @@ class Line:
     def _mend(self) -> str:
         return "look at the rate (--baud), the wiring and the ground"
 
-    def _read(self, size: int) -> bytes:
+    def _read(self, size: int, end: float) -> bytes:
         content = b""
         while len(content) < size:
-            if not select.select([self.fd], [], [], self.timeout_s)[0]:
+            if not select.select([self.fd], [], [], max(0.0, end - time.monotonic()))[0]:
                 raise SynthError(
                     f"{self.path}: found {len(content)} bytes in {self.timeout_s:g} s, need {size}: no board answers; "
                     "see that it runs serial_receive, and look at the port, the rate (--baud) and the wiring"
                 )
-            content += os.read(self.fd, size - len(content))
+            content += self._receive(size - len(content))
         return content
 
+    def _receive(self, size: int) -> bytes:
+        """Return bytes that are there: a line that is readable and has none was unplugged."""
+        with suppress(OSError):
+            if content := os.read(self.fd, size):
+                return content
+        raise self._ended()
+
+    def _write(self, content: bytes, end: float) -> None:
+        while content:
+            if not select.select([], [self.fd], [], max(0.0, end - time.monotonic()))[1]:
+                raise SynthError(
+                    f"{self.path}: found no room for {len(content)} bytes in {self.timeout_s:g} s, need it: "
+                    "look at the port, and turn its flow control off"
+                )
+            try:
+                content = content[os.write(self.fd, content) :]
+            except OSError as error:
+                raise self._ended() from error
+
+    def _ended(self) -> SynthError:
+        return SynthError(f"{self.path}: found the end of the line, need an answer: plug the board in, and try again")
+
     def drain(self) -> None:
-        """End a frame that the board may be in the middle of, and drop what it answers."""
-        os.write(self.fd, bytes(1024))
-        while select.select([self.fd], [], [], 0.1)[0] and os.read(self.fd, 4096):
-            pass
+        """End a frame that the board may be in the middle of, and drop what it answers.
+
+        Raises SynthError for a line that does not fall silent.
+        """
+        end = time.monotonic() + self.timeout_s
+        self._write(bytes(1024), end)
+        while select.select([self.fd], [], [], 0.1)[0]:
+            self._receive(4096)
+            if time.monotonic() > end:
+                raise SynthError(
+                    f"{self.path}: found bytes without an end for {self.timeout_s:g} s, need a board that speaks when "
+                    "it is asked: see that it runs serial_receive and prints nothing, and look at the rate (--baud)"
+                )
 
 
-def frame(kind: bytes, content: bytes) -> bytes:
+def frame(kind: bytes, content: bytes = b"") -> bytes:
     """Return a frame: sync, kind (1 byte), length (2 bytes), content, CRC-32 (4 bytes)."""
     body = kind + struct.pack("<H", len(content)) + content
     return SYNC + body + struct.pack("<I", zlib.crc32(body))
@@ -110,7 +144,7 @@ def connect(path: str, baud: int = 115200, timeout_s: float = 2.0) -> Iterator[L
     if rate is None:
         raise SynthError(f"{path}: found the rate {baud}, need one of the system's, such as 115200: give --baud")
     try:
-        fd = os.open(path, os.O_RDWR | os.O_NOCTTY)
+        fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     except OSError as error:
         raise SynthError(
             f"{path}: {error.strerror}, need a serial line: give its path, and the right to use it"
@@ -118,10 +152,15 @@ def connect(path: str, baud: int = 115200, timeout_s: float = 2.0) -> Iterator[L
     try:
         if not os.isatty(fd):
             raise SynthError(f"{path}: found no terminal, need a serial line: give its path, such as /dev/ttyACM0")
-        tty.setraw(fd)
-        settings = termios.tcgetattr(fd)
-        settings[4:6] = [rate, rate]
-        termios.tcsetattr(fd, termios.TCSANOW, settings)
+        try:
+            tty.setraw(fd)
+            settings = termios.tcgetattr(fd)
+            settings[4:6] = [rate, rate]
+            termios.tcsetattr(fd, termios.TCSANOW, settings)
+        except termios.error as error:
+            raise SynthError(
+                f"{path}: {error.args[-1]}, need a line that takes {baud} bits per second: give --baud, or plug it in"
+            ) from error
         line = Line(path, fd, timeout_s)
         line.drain()
         yield line
@@ -130,12 +169,19 @@ def connect(path: str, baud: int = 115200, timeout_s: float = 2.0) -> Iterator[L
 
 
 def hello(line: Line) -> Hello:
-    """Return what the board says of itself; raise SynthError for another version of the frames."""
+    """Return what the board says of itself; raise SynthError for an echo and for another version of the frames."""
     content = line.ask(b"H")
+    if len(content) <= HELLO:
+        raise SynthError(
+            f"{line.path}: found a hello of {len(content)} bytes, need {HELLO} and a name: see that the line does not "
+            f"echo, and {REBUILD}"
+        )
     if content[0] != VERSION:
         raise SynthError(f"{line.path}: found frames of version {content[0]}, need {VERSION}: {REBUILD}")
-    flash, period_ns, instructions = struct.unpack("<III", content[4:16])
-    return Hello(content[16:].decode(), flash, content[2] != 0, period_ns, instructions, content[1])
+    flash, period_ns, instructions = struct.unpack("<III", content[4:HELLO])
+    return Hello(
+        content[HELLO:].decode(errors="backslashreplace"), flash, content[2] != 0, period_ns, instructions, content[1]
+    )
 
 
 def replay(line: Line, name: str, vectors: Mapping[str, host.Records], say: Progress) -> tuple[list[Check], str]:

@@ -6,8 +6,10 @@ import pty
 import re
 import subprocess
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+import time
+import tty
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -121,6 +123,10 @@ def test_a_wrong_step_and_a_damaged_frame_are_found(tmp_path: Path) -> None:
         (b"hello", "found 68 65 6c 6c 6f, a frame begins with 5a c3: look at the rate"),
         (serial_replay.frame(b"S", b""), "found an answer b'S' to b'H', need the same"),
         (serial_replay.frame(b"H", b"\2" + bytes(20)), "found frames of version 2, need 1: build the image"),
+        (serial_replay.frame(b"H", b"\1\1"), "found a hello of 2 bytes, need 16 and a name: see that .* not echo"),
+        (serial_replay.frame(b"H"), "found a hello of 0 bytes, need 16 and a name"),
+        (serial_replay.frame(b"E"), "the board found reason '' in frame b'H'"),
+        (serial_replay.frame(b"E", b"\1"), "the board found a wrong checksum in frame b'H'"),
     ],
 )
 def test_what_is_no_answer_is_refused(answer: bytes, message: str) -> None:
@@ -131,6 +137,80 @@ def test_what_is_no_answer_is_refused(answer: bytes, message: str) -> None:
         pytest.raises(SynthError, match=message),
     ):
         serial_replay.hello(line)
+
+
+def test_a_name_that_is_no_text_is_shown() -> None:
+    content = b"\1\1" + bytes(14) + b"\xff\xfe"
+    message = r"found '\\xff\\xfe' with 1 steps, need 'stage'"
+    with (
+        fake(serial_replay.frame(b"H", content)) as path,
+        serial_replay.connect(path, timeout_s=20) as line,
+        pytest.raises(SignalError, match=message),
+    ):
+        serial_replay.replay(line, "stage", {"stage": np.zeros(1)}, silent)
+
+
+Speak = Callable[[int, threading.Event], None]  # the other end of a line, until it is over
+
+
+@contextmanager
+def other_end(speak: Speak) -> Iterator[str]:
+    """A line at whose other end this is called, in a thread of its own, with its file descriptor."""
+    ours, theirs = pty.openpty()
+    tty.setraw(theirs)
+    over = threading.Event()
+    thread = threading.Thread(target=speak, args=(ours, over))
+    thread.start()
+    try:
+        yield os.ttyname(theirs)
+    finally:
+        over.set()
+        thread.join()
+        os.close(theirs)
+        with suppress(OSError):
+            os.close(ours)
+
+
+def babble(fd: int, over: threading.Event) -> None:
+    while not over.wait(0.01):
+        os.write(fd, b"hello world\r\n")
+
+
+def trickle(fd: int, over: threading.Event) -> None:
+    """A frame of 65,535 bytes at ten a second: none is late, and the frame never comes."""
+    while serial_replay.SYNC not in os.read(fd, 4096):
+        pass
+    os.write(fd, serial_replay.SYNC + b"H\xff\xff")
+    while not over.wait(0.1):
+        os.write(fd, b"x")
+
+
+def unplug(fd: int, over: threading.Event) -> None:
+    """In the middle of a frame."""
+    while serial_replay.SYNC not in os.read(fd, 4096):
+        pass
+    os.write(fd, serial_replay.frame(b"H", bytes(20))[:12])
+    over.wait(0.2)
+    os.close(fd)
+
+
+@pytest.mark.parametrize(
+    ("speak", "message"),
+    [
+        (babble, "found bytes without an end for 1 s, need a board that speaks when it is asked"),
+        (trickle, r"found \d+ bytes in 1 s, need 65539: no board answers"),
+        (unplug, "found the end of the line, need an answer: plug the board in"),
+    ],
+)
+def test_a_line_that_babbles_trickles_or_ends_is_left(speak: Speak, message: str) -> None:
+    began = time.monotonic()
+    with (
+        other_end(speak) as path,
+        pytest.raises(SynthError, match=message),
+        serial_replay.connect(path, timeout_s=1) as line,
+    ):
+        serial_replay.hello(line)
+    assert time.monotonic() - began < 10
 
 
 def test_what_is_no_line_is_refused(tmp_path: Path) -> None:
