@@ -4,6 +4,7 @@ import contextlib
 import mmap
 import os
 import platform
+import re
 import resource
 import shlex
 import signal
@@ -273,6 +274,13 @@ def test_a_full_disk_makes_the_outputs_safe(loop: Path, memory: Memory) -> None:
         assert running.end() == 1
     memory.wait_safe()
     assert "disabled: the recording could not be written" in running.log
+    assert dropped(running.log) > 0
+
+
+def dropped(log: str) -> int:
+    match = re.search(r"(\d+) records dropped", log)
+    assert match, log
+    return int(match[1])
 
 
 def test_a_lost_record_is_named_at_the_end(loop: Path) -> None:
@@ -288,6 +296,7 @@ def test_a_disk_that_fills_up_makes_the_outputs_safe(loop: Path) -> None:
         resource.prlimit(running.child, resource.RLIMIT_FSIZE, (20_000, limit[1]))
         assert running.ask("record run.csv") == "ok"
         assert running.end() == 1
+    assert dropped(running.log) > 0
     assert "the recording could not be written" in running.log
 
 
@@ -301,10 +310,13 @@ def test_a_disk_that_stops_drops_records_and_not_samples(loop: Path) -> None:
         end = time.monotonic() + 60
         while "dropped=0 " in (status := running.ask("status")) and time.monotonic() < end:
             time.sleep(0.1)
-        assert int(status.split("dropped=")[1].split()[0]) > 0 and "phase=running" in status
+        lost = int(status.split("dropped=")[1].split()[0])
+        assert lost > 0 and "phase=running" in status
+        assert running.ask("record stop") == "error: the disk does not answer: the record is not closed yet"
         running.process.terminate()
         assert running.end() == 0
     os.close(reader)
+    assert dropped(running.log) > lost + 4000, "and what is left in the ring"
     assert "the disk does not answer: the end of the record is lost" in running.log
     assert "disabled: the process was asked to end" in running.log and "watchdog" not in running.log
 

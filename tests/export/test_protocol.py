@@ -5,7 +5,7 @@ import os
 import random
 import socket
 import stat
-import time
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -50,6 +50,8 @@ REFUSED = {
     "record a b": "`record` needs one word",
     "record nowhere/run.csv": "'nowhere/run.csv' cannot be recorded to: No such file or directory",
     "record channels.toml": "cannot be recorded to: File exists",
+    "names 1": "`names` stands alone: leave out '1'",
+    "stop now": "`stop` stands alone: leave out 'now'",
     "start": "a start needs a disabled machine at rest",
     "move " + "z_ref 0 " * 40: "more than 63 words",
     "status" + " " * 600: "a line is longer than 511 bytes",
@@ -94,10 +96,19 @@ def test_the_answers_have_names_and_units(running: harness.Loop) -> None:
     assert running.ask("help").startswith("ok status | position")
     assert running.ask("record run.csv") == "ok"
     assert "recording=1" in running.ask("status")
-    assert "Device or resource busy" in running.ask("record other.csv")
+    assert running.ask("record other.csv") == "error: a record is running: `record stop` first"
+    for name in ("b.csv", "c.csv", "d.csv"):
+        assert running.ask("record stop") == "ok"
+        assert running.ask(f"record {name}") == "ok", "at once"
     assert running.ask("record stop") == "ok"
-    running.wait("recording=0")
+    assert "recording=0" in running.ask("status")
     assert (running.folder / "run.csv").read_text().startswith("t [s],z [m],x [m],z_ref [m]")
+
+
+def test_a_record_is_a_new_file_even_where_a_link_leads_nowhere(running: harness.Loop) -> None:
+    (running.folder / "link.csv").symlink_to("elsewhere.csv")
+    assert running.ask("record link.csv").startswith("error: 'link.csv' cannot be recorded to")
+    assert not (running.folder / "elsewhere.csv").exists()
 
 
 def test_the_socket_is_its_owners_alone(running: harness.Loop) -> None:
@@ -117,9 +128,8 @@ def test_another_user_is_turned_away_even_where_the_file_lets_it_in(running: har
         finally:
             os.seteuid(0)
     connection.settimeout(30)
-    with contextlib.suppress(BrokenPipeError, ConnectionResetError):
-        connection.sendall(b"status\n")
-        assert connection.recv(100) == b""
+    assert connection.recv(200) == b"error: the socket serves its owner alone: connect as the user of the loop\n"
+    assert connection.recv(200) == b""
     assert "phase=running" in running.ask("status")
 
 
@@ -133,11 +143,27 @@ def test_a_client_that_does_not_read_stops_nobody(running: harness.Loop) -> None
 
 
 def test_more_clients_than_places_are_turned_away(running: harness.Loop) -> None:
-    clients = [running.connect() for _ in range(12)]
-    time.sleep(0.3)
+    clients = [running.connect() for _ in range(8)]
+    assert all(harness.ask(client, "status").startswith("ok") for client in clients)
+    ask = [str(running.folder / "client"), "levitator_2dof.sock", "status"]
+    ninth = subprocess.run(ask, cwd=running.folder, capture_output=True, text=True)
+    assert ninth.returncode == 1 and ninth.stdout.startswith("error: as many clients are connected as there are places")
     for client in clients:
         client.close()
     assert "phase=running" in running.wait("phase=running")
+
+
+def test_a_client_without_an_answer_says_so(loop: Path) -> None:
+    """Of a loop that ends: here a socket that takes a client and closes."""
+    with socket.socket(socket.AF_UNIX) as other:
+        with contextlib.chdir(loop):
+            other.bind("levitator_2dof.sock")
+        other.listen()
+        ask = [str(loop / "client"), "levitator_2dof.sock", "status"]
+        client = subprocess.Popen(ask, cwd=loop, stderr=subprocess.PIPE, text=True)
+        other.accept()[0].close()
+        assert client.stderr and "no answer came: look whether the loop still runs" in client.stderr.read()
+    assert client.wait() == 2
 
 
 WORDS = (

@@ -1,4 +1,5 @@
-/* Send one command to the loop and print its answer: `client SOCKET status`. Exit status 0 for an answer of ok. */
+/* Send one command to the loop and print its answer: `client SOCKET status`. Exit status 0 for an answer of ok, 1 for
+ * an error, 2 where no answer came. */
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -23,12 +24,21 @@ int main(int count, char *words[])
     for (int k = 2; k < count && n < sizeof line; k++) {
         n += (size_t)snprintf(line + n, sizeof line - n, "%s%s", words[k], k + 1 < count ? " " : "\n");
     }
-    if (n >= sizeof line || write(s, line, n) != (ssize_t)n) return 2;
+    if (n >= sizeof line) {
+        (void)fprintf(stderr, "%s: the command is longer than %zu bytes: make it shorter\n", words[1], sizeof line - 1u);
+        return 2;
+    }
+    /* A loop that turns a client away may have closed before it reads: its answer is there nevertheless. */
+    (void)send(s, line, n, MSG_NOSIGNAL);
     n = 0;
     while (n + 1u < sizeof line && (n == 0u || line[n - 1u] != '\n')) {
         const ssize_t more = read(s, line + n, sizeof line - 1u - n);
         if (more <= 0) break;
         n += (size_t)more;
+    }
+    if (n == 0u || line[n - 1u] != '\n') {
+        (void)fprintf(stderr, "%s: no answer came: look whether the loop still runs, and at its log\n", words[1]);
+        return 2;
     }
     line[n] = '\0';
     (void)fputs(line, stdout);

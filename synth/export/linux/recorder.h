@@ -18,8 +18,8 @@ int recorder_start(void);
 /* Begin a file, which must not be there yet. Return 0, or an errno. */
 int recorder_open(const char *path);
 
-/* End the file; the thread writes what is in the ring first. */
-void recorder_stop(void);
+/* End the file; the thread writes what is in the ring first. Return 0 once it is closed, -1 after 0.5 s. */
+int recorder_stop(void);
 
 /* Stop, and wait until everything is written, but no longer than for 2 s. */
 void recorder_finish(void);
@@ -29,6 +29,6 @@ void recorder_push(const record_t *record, int wait);
 
 int recorder_is_open(void);
 int recorder_error(void);         /* the errno of a write that failed, 0 if none has */
-uint64_t recorder_dropped(void);
+uint64_t recorder_dropped(void);  /* records that are in no file: of a full ring, and of a disk that fails or stops */
 
 #endif

@@ -126,13 +126,22 @@ static void reply_record(char *reply, char *words[], int count)
     if (count != 2) {
         add(reply, "error: `record` needs one word: a file, or stop");
     } else if (strcmp(words[1], "stop") == 0) {
-        recorder_stop();
-        add(reply, "ok");
+        add(reply, recorder_stop() == 0 ? "ok" : "error: the disk does not answer: the record is not closed yet");
     } else {
         const int error = recorder_open(words[1]);
-        if (error) add(reply, "error: '%.200s' cannot be recorded to: %s", words[1], strerror(error));
+        if (error == EBUSY && recorder_is_open()) add(reply, "error: a record is running: `record stop` first");
+        else if (error) add(reply, "error: '%.200s' cannot be recorded to: %s", words[1], strerror(error));
         else add(reply, "ok");
     }
+}
+
+static int stands_alone(const char *verb)
+{
+    static const char *const verbs[] = {"help", "status", "names", "position", "hold", "supervise", "start", "stop"};
+    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
+        if (strcmp(verb, verbs[i]) == 0) return 1;
+    }
+    return 0;
 }
 
 static void obey(client_t *client, char *reply)
@@ -144,7 +153,7 @@ static void obey(client_t *client, char *reply)
     const char *const verb = count ? words[0] : "";
     if (count == WORDS) add(reply, "error: more than %d words: send fewer", WORDS - 1);
     else if (strcmp(verb, "record") == 0) reply_record(reply, words, count);
-    else if (count != 1) reply_motion(reply, words, count, s);
+    else if (count > 1 && stands_alone(verb)) add(reply, "error: `%s` stands alone: leave out '%s'", verb, words[1]);
     else if (strcmp(verb, "help") == 0) add(reply, "%s", HELP);
     else if (strcmp(verb, "status") == 0) reply_status(reply, s);
     else if (strcmp(verb, "names") == 0) reply_names(reply);
@@ -212,8 +221,14 @@ static void accept_client(void)
     if (s < 0) return;
     while (k < CLIENTS && server.clients[k].socket >= 0) k++;
     const int owner = getsockopt(s, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && peer.uid == geteuid();
-    if (k == CLIENTS || !owner) (void)close(s);
-    else server.clients[k].socket = s;
+    if (k < CLIENTS && owner) {
+        server.clients[k].socket = s;
+        return;
+    }
+    const char *const refusal = owner ? "error: as many clients are connected as there are places: end one of them\n"
+        : "error: the socket serves its owner alone: connect as the user of the loop\n";
+    (void)send(s, refusal, strlen(refusal), MSG_NOSIGNAL | MSG_DONTWAIT);
+    (void)close(s);
 }
 
 /* Print the changes of the phase, with the reason of a stop. */
