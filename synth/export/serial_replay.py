@@ -91,7 +91,7 @@ class Line:
         with suppress(OSError):
             if content := os.read(self.fd, size):
                 return content
-        raise self._ended()
+        raise self._end_of_line()
 
     def _write(self, content: bytes, end: float) -> None:
         while content:
@@ -103,9 +103,9 @@ class Line:
             try:
                 content = content[os.write(self.fd, content) :]
             except OSError as error:
-                raise self._ended() from error
+                raise self._end_of_line() from error
 
-    def _ended(self) -> SynthError:
+    def _end_of_line(self) -> SynthError:
         return SynthError(f"{self.path}: found the end of the line, need an answer: plug the board in, and try again")
 
     def drain(self) -> None:

@@ -1,9 +1,12 @@
 """The user's I/O through channels.toml, and Comedi against a stand-in for its library: scaling, limits, messages."""
 
+import ctypes
+import mmap
 import os
 import re
 import resource
 import shutil
+import struct
 import subprocess
 import tempfile
 from pathlib import Path
@@ -99,12 +102,45 @@ def test_comedi_reads_and_writes_volts_through_the_channels(comedi: Path) -> Non
         (("channel = 0", "channel = 9"), (), {}, "'x' of present: the board has no channel 9: correct channels.toml"),
         (("", ""), (), {"NO_OUTPUTS": "1"}, "lacks analogue inputs, analogue outputs or the line that enables"),
         (("[sensor.x]", "[sensor.y]"), (), {}, "channels.toml, line 9: sensor.y: is no sensor or actuator"),
-        (("scale = 1e-4\nsign", "scale = 0\nsign"), (), {}, "'x' has channel 0, scale 0, sign -1"),
-        (("sign = -1\n[act", "sign = -2\n[act"), (), {}, "a sign of 1 or -1"),
+        (("scale = 1e-4\nsign", "scale = 0\nsign"), (), {}, "line 11: scale = 0: need a number that is not 0"),
+        (("sign = -1\n[act", "sign = -2\n[act"), (), {}, "line 12: sign = -2: need a sign of 1 or -1"),
         (("scale = 1e-4\noffset", "scale = nan\noffset"), (), {}, "line 6: nan: is not a finite number"),
         (("scale = 1e-4\noffset", "scale 1e-4\noffset"), (), {}, "line 6: scale 1e-4: write `key = number`"),
-        (("scale = 1e-4\noffset", "size = 1e-4\noffset"), (), {}, "line 6: size: is not a key with this value"),
+        (("scale = 1e-4\noffset", "size = 1e-4\noffset"), (), {}, "line 6: size: is no key: see the comment on top"),
         (("[enable]", ""), (), {}, "line 3: channel: stands before the first [section]"),
+        (
+            ("[actuator.i1]", "# " + 253 * "x" + "sign = -1\n[actuator.i1]"),
+            (),
+            {},
+            "line 13: found more than 254 bytes",
+        ),
+        (("scale = 1e-4\noffset = -2e-4\n", ""), (), {}, "low -10, high 10, rollover 0: need a scale, in units"),
+        (
+            ("channel = 1\n", ""),
+            (),
+            {},
+            "line 4: 'z' has channel -1, low -10, high 10, rollover 0: need a channel from 0",
+        ),
+        (("offset = -2e-4", "scale = 1e-4"), (), {}, "line 7: scale = 0.0001: is the second value of this key"),
+        (("[sensor.x]", "[sensor.z]"), (), {}, "line 9: sensor.z: is here for the second time"),
+        (("[enable]", 'device = "b"\n[enable]'), (), {}, "is the second device: keep one"),
+        (
+            ("channel = 0", "channel = 1"),
+            (),
+            {},
+            "line 9: 'x' has channel 1, low -10, high 10, rollover 0: need a channel that no other",
+        ),
+        (("channel = 1", "channel = 1.5"), (), {}, "line 5: channel = 1.5: need a whole number"),
+        (("offset = -2e-4", "rollover = -5"), (), {}, "line 7: rollover = -5: need a positive number"),
+        (
+            ("offset = -2e-4", "rollover = 65536"),
+            (),
+            {},
+            "high 10, rollover 65536: need the first and the last raw value before",
+        ),
+        (("offset = -2e-4", "low = 10"), (), {}, "low 10, high 10, rollover 0: need a low below the high"),
+        (("[sensor.z]", "[sensor.z"), (), {}, "line 4: [sensor.z: write `key = number`"),
+        (("[sensor.x]\nchannel = 0\nscale = 1e-4\nsign = -1\n", ""), (), {}, ": x: has no section: add it"),
     ],
 )
 def test_what_is_missing_is_said(
@@ -152,11 +188,45 @@ def test_an_io_user_that_is_not_filled_in_says_so(loop: Path) -> None:
     assert done.returncode == 2 and "fill in its four functions, and build again" in done.stderr
 
 
-def test_memory_of_another_stage_is_refused(loop: Path) -> None:
-    (loop / "io").write_bytes(os.urandom(8 * 9))
+@pytest.mark.parametrize("content", [b"a stage." * 10, b"precious\n", bytes(8 * 10)], ids=["size", "short", "zeros"])
+def test_memory_of_another_stage_is_refused_and_left_as_it_is(content: bytes, loop: Path) -> None:
+    (loop / "io").write_bytes(content)
     done = harness.call(loop, "--io", "shm", "--memory", "io")
-    assert done.returncode == 2 and "'io' is of another stage: remove it" in done.stderr
+    assert done.returncode == 2 and "'io' is of another stage or of another program" in done.stderr
+    assert (loop / "io").read_bytes() == content
     assert "give a file with --memory" in harness.call(loop, "--io", "shm").stderr
+
+
+BEATS = """#include "io.h"
+#include "stage.h"
+int open_it(const char *path);
+int open_it(const char *path) { return IO_SHM.open(&(io_options_t){.memory = path}); }
+int read_it(double *sensors);
+int read_it(double *sensors) { return IO_SHM.read(sensors); }
+"""
+
+
+def test_sensors_are_bad_after_ten_samples_without_a_heartbeat(built: Path, tmp_path: Path) -> None:
+    """5 ms at 2 kHz; in a new file, and in one that an earlier run left, until the first heartbeat."""
+    names = ("io_shm.c", "io.h", "stage.h", "levitator_2dof.h")
+    files = {p.name: p.read_text() for folder in ("src", "controller") for p in (built / folder).iterdir()}
+    sources = {name: files[name] for name in names} | {"beats.c": BEATS}
+    backend = ctypes.CDLL(str(host_compiler.shared_library(sources, ["-D_GNU_SOURCE"])))
+    sensors = (ctypes.c_double * 2)()
+
+    def good() -> bool:
+        backend.read_it(sensors)
+        return list(sensors) == [1e-4, 0.0]
+
+    for _ in range(2):
+        assert backend.open_it(str(tmp_path / "new").encode()) == 0
+        with (tmp_path / "new").open("r+b") as file, mmap.mmap(file.fileno(), 0) as words:
+            assert not good(), "whatever it holds"
+            (beats,) = struct.unpack_from("Q", words, 8 * 5)
+            struct.pack_into("Q2d", words, 8 * 5, beats + 1, 1e-4, 0.0)
+            assert [good() for _ in range(12)] == [True] * 10 + [False] * 2
+            struct.pack_into("Q", words, 8 * 5, beats + 2)
+            assert good()
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,9 @@ import signal
 import socket
 import struct
 import subprocess
+import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -25,19 +27,31 @@ from tests.export import harness
 pytestmark = pytest.mark.slow
 
 STALL = ("--stall", "5000")  # ms: a busy machine stands still for some hundred
-HEADER = 5  # words of shared memory before the sensors
+MAGIC, HEADER = 0x53544732, 6  # of shared memory: its first word, and the words before the sensors
 PLANT = ("--io", "plant", *STALL)
 
 
 class Memory:
-    """The machine behind `--io shm`: sensors at rest, and what the loop gives."""
+    """The partner behind `--io shm`: sensors at rest, what the loop gives, and a heartbeat until it dies."""
 
     def __init__(self, path: Path, sensors: int = 2, outputs: int = 2) -> None:
         self.sensors, self.count = sensors, outputs
-        with path.open("wb") as file:
-            file.write(bytes(8 * (HEADER + sensors + outputs)))
+        path.write_bytes(struct.pack("3Q", MAGIC, sensors, outputs) + bytes(8 * (HEADER - 3 + sensors + outputs)))
         self.file = path.open("r+b")
         self.words = mmap.mmap(self.file.fileno(), 0)
+        self.dead = threading.Event()
+        self.thread = threading.Thread(target=self.live, daemon=True)
+        self.thread.start()
+
+    def live(self) -> None:
+        beats = 0
+        while not self.dead.wait(0.005):
+            beats += 1
+            struct.pack_into("Q", self.words, 8 * 5, beats)
+
+    def die(self) -> None:
+        self.dead.set()
+        self.thread.join()
 
     def sense(self, *values: float) -> None:
         struct.pack_into(f"{self.sensors}d", self.words, 8 * HEADER, *values)
@@ -58,8 +72,10 @@ class Memory:
 
 
 @pytest.fixture
-def memory(loop: Path) -> Memory:
-    return Memory(loop / "io")
+def memory(loop: Path) -> Iterator[Memory]:
+    memory = Memory(loop / "io")
+    yield memory
+    memory.die()
 
 
 SHM = ("--io", "shm", "--memory", "io", *STALL)
@@ -248,10 +264,25 @@ def test_it_waits_for_good_sensors(loop: Path, memory: Memory) -> None:
         running.wait("phase=running")
 
 
+def test_a_partner_that_dies_latches_and_one_that_never_lived_starts_nothing(loop: Path, memory: Memory) -> None:
+    with harness.running(loop, *SHM) as running:
+        running.wait("phase=running")
+        memory.die()
+        assert "latched_by=0x80000003 (z, x, latched)" in running.wait("phase=disabled")
+        memory.wait_safe()
+    for file in ("io", "new"):
+        with harness.running(loop, "--io", "shm", "--memory", file, *STALL) as running:
+            running.wait("phase=waiting")
+            time.sleep(1)
+            assert "phase=waiting" in running.ask("status") and "z=nan" in running.ask("position")
+
+
 def test_the_set_points_start_at_the_measured_pose(loop: Path, memory: Memory) -> None:
     """And travel from there to where the machine works, which takes time."""
     memory.sense(-3e-4, 5e-4)
     done = harness.call(loop, *SHM, "--seconds", "1", "--record", "run.csv")
+    rows = (loop / "run.csv").read_text().splitlines(keepends=True)
+    (loop / "run.csv").write_text("".join(row for row in rows if "nan" not in row))  # before the first heartbeat
     log = records.read(loop / "run.csv")
     enabled = log.samples["phase"] == 1
     assert log.samples["z_ref"][enabled][-1] == pytest.approx(-3e-4) and done.returncode == 0

@@ -12,7 +12,9 @@
 typedef struct {
     int channel;
     double scale, offset, sign, low, high; /* units per raw, units, +-1, raw, raw */
-    double rollover;                       /* raw: a counter starts again from 0 after so many; 0 for none */
+    double rollover;                       /* raw: a counter starts again after so many; 0 for none */
+    int line;                              /* of its section in the file */
+    unsigned given;                        /* a bit for each key in it */
 } channel_t;
 
 typedef struct {

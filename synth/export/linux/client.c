@@ -25,7 +25,7 @@ int main(int count, char *words[])
         n += (size_t)snprintf(line + n, sizeof line - n, "%s%s", words[k], k + 1 < count ? " " : "\n");
     }
     if (n >= sizeof line) {
-        (void)fprintf(stderr, "%s: the command is longer than %zu bytes: make it shorter\n", words[1], sizeof line - 1u);
+        (void)fprintf(stderr, "the command is longer than %zu bytes: make it shorter\n", sizeof line - 1u);
         return 2;
     }
     /* A loop that turns a client away may have closed before it reads: its answer is there nevertheless. */

@@ -11,12 +11,13 @@
 
 #include "ring.h"
 
-enum { CLOSE_MS = 500, FINISH_MS = 2000, SIZE = 4096, TEXT = 1 << 16, LINE = 64 + 32 * (N_SENSORS + SET_POINTS_SIZE + N_OUTPUTS + 4) };
+enum { CLOSE_MS = 500, FINISH_MS = 2000, SIZE = 4096, TEXT = 1 << 16 };
+enum { LINE = 64 + 32 * (N_SENSORS + SET_POINTS_SIZE + N_OUTPUTS + 4) };
 
 static struct {
     record_t records[SIZE];
     ring_t ring;
-    uint64_t dropped, settled; /* rows: not in a file; taken from the ring and written or dropped, by the thread */
+    uint64_t dropped, settled; /* rows: in no file; and those that the thread took, which are written or dropped */
     int file, open, ending, error; /* file: -1 for none; open: the loop records; ending: the thread is to close it */
     char text[TEXT];
     pthread_t thread;
