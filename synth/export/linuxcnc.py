@@ -18,7 +18,7 @@ SHARED = (  # of the Linux project: the wiring of the stage, whether it rests, i
 LONGEST = 47  # characters of a name in HAL
 NAMES = (  # of the components' own pins, and what HAL makes of their functions
     "enable", "running", "amplifiers", "wrong_period", "limits", "fault_word", "drive_fault_word", "rest_time",
-    "samples", "differing", "first", "feed.time", "compare.time", "write_outputs.time", "read_sensors.time",
+    "replay", "samples", "differing", "first", "feed.time", "compare.time", "write_outputs.time", "read_sensors.time",
 )  # fmt: skip
 
 
@@ -48,7 +48,10 @@ def facts(
         )
     rows = _whole_samples(stage, emitted, vectors)
     kinds = {s["name"]: "sensor" for s in shared["sensors"]} | {s["name"]: "set-point" for s in shared["set_points"]}
-    in_pins = [_pin(f, kinds.get(f["name"], "calls that were missed")) for f in _members(emitted, stage.name, "input")]
+    in_pins = [
+        _pin(f, kinds.get(f["name"], "calls that were missed")) | {"is_sensor": kinds.get(f["name"]) == "sensor"}
+        for f in _members(emitted, stage.name, "input")
+    ]
     out_pins = [
         _pin(field, "output") | {"source": f"{step.short}_out.{field['name']}", "block": step.name}
         for step in shared["blocks"]

@@ -223,7 +223,7 @@ def test_disabled_means_safe_outputs_and_enable_starts_again(tmp_path: Path, fif
     [
         ("running = enable && (running || starts)", "running = running || starts"),
         ("if (starts || (!running && safe && rest.good > 0u)) stage_init", "if (0) stage_init"),
-        ("enable && safe && rests", "enable && safe"),
+        ("safe && (rests || hal->replay)", "safe"),
         ("safe = stage_safe_step(&stage, outputs)", "safe = 1"),
     ],
 )
@@ -235,6 +235,39 @@ def test_a_component_that_does_not_keep_the_contract_is_found(
     pins = scenario(tmp_path, fifo)
     with pytest.raises(AssertionError):
         require_safety(pins)
+
+
+UNWIRED = """
+source levitator_2dof.hal
+setp levitator-2dof.rest-time {rest}
+start
+sets enable true
+loadusr -w sleep 1
+loadusr -w echo levitator_2dof: signals
+show pin levitator-2dof
+unlinkp levitator-2dof.z
+unlinkp levitator-2dof.x
+sets enable false
+loadusr -w sleep 1
+sets enable true
+loadusr -w sleep 1
+loadusr -w echo levitator_2dof: pins
+show pin levitator-2dof
+"""
+
+
+@needs_hal
+def test_nothing_starts_without_sensors(tmp_path: Path, fifo: Path) -> None:
+    """A signal that nothing writes is no sensor, and neither is a pin alone, whatever the time of rest."""
+    folder = built("levitator_2dof", tmp_path)
+    for rest in ("0.25", "0", "-1"):
+        (folder / "unwired.hal").write_text(UNWIRED.format(rest=rest))
+        done = in_hal(folder, fifo, "sh", "-c", "make -s install && halrun -s -f unwired.hal")
+        pins = shown(done.stdout)
+        assert list(pins) == ["signals", "pins"], done.stderr
+        for values in pins.values():
+            assert values["levitator-2dof.z"] == "nan"
+            assert values["levitator-2dof.running"] == values["levitator-2dof.amplifiers"] == "FALSE"
 
 
 @needs_hal
@@ -262,7 +295,7 @@ def test_the_component_has_a_pin_for_each_signal_and_fault(name: str, tmp_path: 
 
 
 def require_pins(text: str, manifest: Mapping[str, Any]) -> None:
-    pins = set(re.findall(r'^pin (\w+) float (\w+) "[^"]+";$', text, re.M))
+    pins = set(re.findall(r'^pin (\w+) float (\w+)(?: = NAN)? "[^"]+";$', text, re.M))
     for role, direction in (("input", "in"), ("output", "out")):
         assert pins >= {(direction, f["name"]) for f in manifest["structs"][role]["fields"]}
     bits = re.findall(r'^pin out bit \w+ "bit (\d+) of fault-word', text, re.M)
@@ -308,14 +341,16 @@ def test_names_that_hal_does_not_take_are_refused(names: tuple[str, ...], messag
 STAGE_H = """
 #define STAGE_PERIOD_S 0.001
 typedef struct { double speed, acceleration; } limits_t;
+typedef struct { double low, high; } signal_t;
 """
 FOLLOW_C = """#include "follow.h"
 void run(int n, const double *targets, double *at);
 void run(int n, const double *targets, double *at)
 {
     const limits_t limits = {0.5, 20.0};
-    path_t path = {0.0, 0.0, targets[0]};
-    for (int k = 0; k < n; k++) at[k] = follow(&path, targets[k], &limits);
+    const signal_t range = {-0.5, 0.5};
+    path_t path = {0.0, 0.0, follow_goal(targets[0], 0.0, &range)};
+    for (int k = 0; k < n; k++) at[k] = follow(&path, follow_goal(targets[k], path.target, &range), &limits);
 }
 """
 
@@ -366,11 +401,19 @@ def test_a_motion_within_the_limits_is_followed_without_a_lag() -> None:
     assert (set_points(moved)[:100] == motion[:100]).all() and (set_points(moved)[-500:] == moved[-500:]).all()
 
 
-def test_a_target_that_is_not_finite_reaches_the_step_and_the_path_waits() -> None:
-    targets = np.full(200, 1e-3)
-    targets[5:8] = np.nan
+def test_a_target_that_is_not_finite_holds_the_last_one() -> None:
+    for bad in (np.nan, np.inf):
+        targets = np.full(200, 1e-3)
+        targets[5:100] = bad
+        np.testing.assert_array_equal(set_points(targets), set_points(np.full(200, 1e-3)))
+
+
+def test_a_target_beyond_the_range_leads_to_its_end_and_comes_back_at_once() -> None:
+    targets = np.where(np.arange(6000) < 3000, 10.0, 0.0)
     at = set_points(targets)
-    assert np.isnan(at[5:8]).all() and abs(at[8] - at[4]) <= 20e-6 and at[-1] == 1e-3
+    assert at.max() == at[2999] == 0.5
+    assert np.flatnonzero(at[3000:] == 0)[0] < 1000 * (0.5 / 0.5 + 0.5 / 20) + 60, "as from the end of the range"
+    assert set_points(targets, ("fmin(fmax(pin, range->low), range->high)", "pin")).max() > 1
 
 
 PAGE = (harness.ROOT / "docs" / "howto" / "export-linuxcnc.md").read_text(encoding="utf-8")

@@ -11,17 +11,19 @@ typedef struct {
     double at, speed, target; /* units, units per s, units */
 } path_t;
 
-/* One sample: move towards `target` and return the set-point. One that is not finite is returned as it is, for the
- * step to refuse, and the path waits. */
+/* Where a pin leads: into the range of its set-point, or, where it is not finite, to where it did before. Without this
+ * a pin far beyond the range would draw the set-point so far away that it takes long to come back. */
+static inline double follow_goal(double pin, double before, const signal_t *range)
+{
+    return isfinite(pin) ? fmin(fmax(pin, range->low), range->high) : before;
+}
+
+/* One sample: move towards `target`, which is finite, and return the set-point. */
 static inline double follow(path_t *path, double target, const limits_t *limits)
 {
     const double h = STAGE_PERIOD_S, change = limits->acceleration * h;
     const double far = target - path->at;
     const double moved = (target - path->target) / h; /* speed of the target */
-    if (!isfinite(far)) {
-        *path = (path_t){.at = path->at, .target = path->at};
-        return target;
-    }
     path->target = target;
     if (fabs(far) <= limits->speed * h && fabs(far / h - path->speed) <= change && fabs(far / h - moved) <= change) {
         path->speed = far / h;
