@@ -4,7 +4,8 @@ controller/   the emitted steps, unchanged        src/       the loop, the same 
 vectors/      inputs, outputs, fault words        io_user.c, channels.toml    the user's: written once
 
 For a microcontroller the vectors are C below src/, qemu/ has a board to rehearse on, and board_user.c is the user's.
-For LinuxCNC the vectors are C below src/, too, and the components of HAL are on top.
+For LinuxCNC the vectors are C below src/, too, and the components of HAL are on top. MARKER says which design and which
+target a folder is of.
 """
 
 import json
@@ -18,7 +19,7 @@ import numpy as np
 from synth.base import store
 from synth.declare.stage import SetPoint, Stage
 from synth.emit.write import EmittedCode
-from synth.errors import DesignError
+from synth.errors import DesignError, SynthError
 from synth.execute import host
 from synth.export import limits, linuxcnc, mcu, plant_files, templates, wiring
 from synth.simulate import rig as rigs
@@ -26,6 +27,7 @@ from synth.simulate import rig as rigs
 TARGETS = ("linux", "mcu", "linuxcnc")
 TOP = ("Makefile", "CMakeLists.txt", "README.md", "io_user.c", "channels.toml")
 USERS = ("io_user.c", "channels.toml", "board_user.c")  # an export never overwrites them
+MARKER = "synth-export.txt"
 FULL_SCALE = 10.0  # V: of the channels in a new channels.toml, over the range of a signal
 
 
@@ -36,7 +38,11 @@ class Project:
     files: Mapping[str, str | bytes]
 
     def save(self, folder: Path) -> list[str]:
-        """Write the files below `folder`; return the paths of the user's files that are there and stay as they are."""
+        """Write the files below `folder`; return the paths of the user's files that are there and stay as they are.
+
+        Raises SynthError for a folder with files that are no export, or one of another design or target.
+        """
+        self._require_own(folder)
         kept = [name for name in USERS if (folder / name).exists()]
         for name, content in self.files.items():
             path = folder / name
@@ -45,6 +51,20 @@ class Project:
             path.parent.mkdir(parents=True, exist_ok=True)
             store.replace_bytes(path, content.encode("utf-8") if isinstance(content, str) else content)
         return kept
+
+    def _require_own(self, folder: Path) -> None:
+        marker, needed = folder / MARKER, str(self.files[MARKER])
+        if marker.exists():
+            before = marker.read_text(encoding="utf-8", errors="replace")
+            if before != needed:
+                raise SynthError(
+                    f"{marker}: found an export of '{before.strip()}', need '{needed.strip()}': give another --out"
+                )
+        elif folder.is_dir() and (names := sorted(path.name for path in folder.iterdir())):
+            raise SynthError(
+                f"{folder}: found '{names[0]}' and no {MARKER}, need a new or empty folder, or an earlier export: give "
+                "another --out"
+            )
 
 
 def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Project:
@@ -56,7 +76,9 @@ def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Pr
     require_target(target)
     manifests = {folder: code.manifest for folder, code in emitted.items()}
     recorded = replay_vectors(stage, emitted)
-    code = {f"controller/{file}": text for name in recorded for file, text in host.code(emitted[name].files).items()}
+    code: dict[str, str | bytes] = {MARKER: f"{stage.name} for {target}\n"}  # first: an interrupted export is one, too
+    for name in recorded:
+        code |= {f"controller/{file}": text for file, text in host.code(emitted[name].files).items()}
     rig = rigs.of_stage(stage, host.load(emitted[stage.name].files, emitted[stage.name].manifest))
     facts, model = _facts(stage, manifests, rig)
     if target == "mcu":

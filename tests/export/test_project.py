@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from synth import plant as plants
 from synth import stage as stages
 from synth.app import cli
-from synth.errors import DesignError, SignalError
+from synth.errors import DesignError, SignalError, SynthError
 from synth.export import limits, project, records, wiring
 from synth.signals import Signal
 from tests import tools
@@ -146,6 +146,28 @@ def test_a_folder_of_the_environment_that_is_no_absolute_path_is_none(value: str
     environment = {**os.environ, "XDG_RUNTIME_DIR": value}
     subprocess.run(["./levitator_2dof", "--lockstep", "9"], cwd=loop, env=environment, check=True, capture_output=True)
     assert (loop / "levitator_2dof.lock").exists() and not list((loop / "sub").iterdir())
+
+
+def test_an_export_overwrites_nothing_but_one_of_its_own(tmp_path: Path) -> None:
+    files = {"README.md": "generated", "src/loop.c": "generated"}
+    linux, mcu = (project.Project({project.MARKER: f"stage for {t}\n", **files}) for t in ("linux", "mcu"))
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "README.md").write_text("mine")
+    with pytest.raises(
+        SynthError, match=r"mine: found 'README.md' and no synth-export.txt, need a new or empty folder"
+    ):
+        linux.save(mine)
+    assert [path.name for path in mine.iterdir()] == ["README.md"] and (mine / "README.md").read_text() == "mine"
+    (tmp_path / "loop").mkdir()
+    for _ in range(2):
+        assert linux.save(tmp_path / "loop") == []
+    with pytest.raises(
+        SynthError, match=r"found an export of 'stage for linux', need 'stage for mcu': give another --out"
+    ):
+        mcu.save(tmp_path / "loop")
+    made = project.project(harness.stage("levitator_2dof"), harness.emitted("levitator_2dof"), "linuxcnc").files
+    assert next(iter(made)) == project.MARKER and made[project.MARKER] == "levitator_2dof for linuxcnc\n"
 
 
 def test_a_record_reads_back_as_a_log(tmp_path: Path) -> None:
