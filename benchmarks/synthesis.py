@@ -137,11 +137,10 @@ CASES: dict[str, Callable[[], Comparison]] = {
     "lqrd, n = 10, m = 3": lambda: compare_lqrd(dense(10, 3, Continuous()), 201),
     "CARE, n = 10, m = 3": lambda: compare_riccati(dense(10, 3, Continuous()), 201),
     "DARE, n = 10, m = 3": lambda: compare_riccati(dense(10, 3, Discrete(PERIOD)), 201),
-    "CARE, n = 50, m = 5": lambda: compare_riccati(dense(50, 5, Continuous()), 21),
-    "CARE, n = 200, m = 10": lambda: compare_riccati(dense(200, 10, Continuous()), 7),
-    "CARE, n = 200, m = 10, stiff": lambda: compare_riccati(stiff(200, 10), 7),
-    "CARE, n = 200, m = 10, cross weight": lambda: compare_riccati(dense(200, 10, Continuous(), crossed=True), 7),
-    "DARE, n = 200, m = 10": lambda: compare_riccati(dense(200, 10, Discrete(PERIOD)), 7),
+    "CARE, n = 50, m = 5": lambda: compare_riccati(dense(50, 5, Continuous()), 5),
+    "CARE, n = 80, m = 8, stiff": lambda: compare_riccati(stiff(80, 8), 3),
+    "CARE, n = 80, m = 8, cross weight": lambda: compare_riccati(dense(80, 8, Continuous(), crossed=True), 3),
+    "DARE, n = 80, m = 8": lambda: compare_riccati(dense(80, 8, Discrete(PERIOD)), 3),
 }
 
 

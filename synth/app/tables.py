@@ -13,7 +13,7 @@ from synth.app import verdicts
 from synth.check import Check, limit_text
 from synth.declare.tuning import Tuned, Tuning
 from synth.report import comparison as comparisons
-from synth.report import first_screen, sections
+from synth.report import first_screen
 from synth.report import tuning as tunings
 from synth.report.audit import Row
 from synth.report.comparison import Side
@@ -91,6 +91,8 @@ def _print(console: Console, title: str, columns: Sequence[str], rows: Iterable[
 
 def print_margins(design: str, closed: Sequence[ClosedLoop], loops: Survey | None, checks: Sequence[Check]) -> None:
     """Print whether the loops are stable, then the slowest poles, the loops with the least margins, and the checks."""
+    from synth.report import sections  # what it needs for figures is slow to import
+
     console = Console(width=None if sys.stdout.isatty() else 160)
     console.print(f"{design}: {verdicts.stability(closed)}", highlight=False, markup=False)
     slowest = sorted(closed, key=lambda c: (c.is_stable, -c.slowest_s))[:LOOPS]
