@@ -151,7 +151,7 @@ def build(
     plant = Plant(name, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), f, h)
     unit = {s.name: s.unit for s in states}
     for position, rate in velocities(plant).items():
-        if dimension(unit[rate]) != dimension(needed := per_second(unit[position])):
+        if rate != position and dimension(unit[rate]) != dimension(needed := per_second(unit[position])):
             raise SignalError(
                 f"plant '{name}': the derivative of '{position}' [{unit[position]}] is '{rate}', which is declared in "
                 f"{unit[rate]}: it needs {needed}"

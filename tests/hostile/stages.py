@@ -43,6 +43,8 @@ def examples() -> Mapping[str, Call]:
     )
     controller = stage.controller("held", Discrete(1e-3), interface, [axis.servo(**asked)])
     loops = robustness.of_controller(controller, maglev, POINTS)
+    opened = robustness.open_loops(loops)
+    place = robustness.LoopsAt("middle", ["current"], ["current"], lambda _: opened[0].L)
     moving = dead_reckoning.Axis("gap", GAP, replace(GAP, name="predicted"), U, 0.5, 1.0, 0.9)
     behind = following.Axis(GAP, replace(GAP, name="gap_ref"), 1e-3, 5)
     angle = Unknown(Signal("angle", "rad", -1, 1), largest_deviation=0.5, step=0.5)
@@ -87,8 +89,10 @@ def examples() -> Mapping[str, Call]:
         "robustness.equilibrium_at": {"loops": loops, "point": "middle"},
         "robustness.open_loops": {"loops": loops},
         "robustness.survey": {"loops": loops},
+        "robustness.closed_loops": {"loops": loops},
+        "robustness.closed_loops_at": {"places": [place]},
         "robustness.disk_margins": {"loops": loops, "point": "middle"},
-        "robustness.checks": {"loops": robustness.open_loops(loops), "require": {"phase_margin": 10.0}},
+        "robustness.checks": {"loops": opened, "require": {"phase_margin": 10.0}},
     }
 
 
