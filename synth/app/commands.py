@@ -231,10 +231,11 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     """Run each design's experiments on the full plant with the compiled C in the loop."""
 
     def run_experiments(stage: Stage, report: Progress) -> list[Verified]:
-        closed, _ = attempt(partial(verdicts.closed_loops, stage), "stability", list[ClosedLoop]())
+        closed, lost = attempt(partial(verdicts.closed_loops, stage), "stability", list[ClosedLoop]())
         if not all(c.is_stable for c in closed):
             report(verdicts.stability(closed))
-        runs, failed = attempt(partial(tasks.experiments(stage).result, report), "experiments", list[Experiment]())
+        runs, raised = attempt(partial(tasks.experiments(stage).result, report), "experiments", list[Experiment]())
+        failed = [*lost, *raised]
         errors = {"name": "errors", "title": "Errors", "figures": {}, "checks": _checks(failed)}
         verified = [Verified(_experiment(e), e.checks, e.figures) for e in runs]
         return [*verified, *([Verified(errors, failed, {})] if failed else [])]

@@ -213,6 +213,9 @@ def test_margins_need_no_reference_and_say_first_that_a_loop_is_unstable(
         assert capsys.readouterr().out.startswith(first)
     assert commands.simulate([NAME], False, False) in (1, 2)
     assert capsys.readouterr().out.startswith(f"{NAME}: UNSTABLE at ")
+    monkeypatch.setattr(verdicts, "closed_loops", crash)
+    assert commands.simulate([NAME], True, False) == 1
+    assert "errors of stability" in capsys.readouterr().out
 
 
 def test_a_figure_that_differs_without_a_reason_fails() -> None:

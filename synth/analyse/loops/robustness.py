@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from synth import arguments
 from synth.analyse import operating_points
-from synth.analyse.loops import disk, equilibrium, stability_margins
+from synth.analyse.loops import disk, equilibrium, stability_margins, transfer
 from synth.analyse.loops.equilibrium import Equilibrium, SampledLoop, Wires
 from synth.analyse.loops.stability_margins import Margins
 from synth.check import Check
@@ -29,7 +29,7 @@ from synth.errors import ModelError, NoEquilibriumError, SignalError
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.statespace import StateSpace
-from synth.timing import period
+from synth.timing import Discrete, period
 
 MAX_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
 
@@ -148,7 +148,7 @@ class ClosedLoop:
     @property
     def is_stable(self) -> bool:
         """Whether there is an equilibrium to which the loop returns."""
-        return not self.reason and bool((np.abs(self.poles) < 1).all())
+        return not self.reason and transfer.is_stable(self.poles, Discrete(self.period_s))
 
     @property
     def slowest_s(self) -> float:
