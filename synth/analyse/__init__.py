@@ -6,6 +6,8 @@ Operating points
 
 Linear models
     c2d(system, period_s)                zero-order hold
+    d2c(system)                          the continuous model of a zero-order hold
+    tustin(system, period_s, frequency)  trapezoidal rule, exact at a frequency
     delay_samples(system, samples)       a sampled model with delayed inputs
     connect(models, inputs, ...)         models wired by the names of their signals
     feedback(forward, back)              the closed loop with negative feedback
@@ -24,6 +26,7 @@ Loops
 Responses
     step_response(system, duration_s)    the response to a unit step at each input
     impulse_response(system, duration_s) the response to a unit impulse at each input
+    forced_response(system, inputs, ...) the response to samples of the inputs, from any initial state
 """
 
 from synth.base import lazy

@@ -1,4 +1,6 @@
 from synth.analyse.discretise import delay_samples as delay_samples
+from synth.analyse.discretise import inverse_zero_order_hold as d2c
+from synth.analyse.discretise import tustin as tustin
 from synth.analyse.discretise import zero_order_hold as c2d
 from synth.analyse.loops.disk import of_loop as disk_margin
 from synth.analyse.loops.feedback_loop import close as sensitivity
@@ -13,15 +15,18 @@ from synth.analyse.structure.gramian import gramians as gramians
 from synth.analyse.structure.realisation import minimal as minreal
 from synth.analyse.structure.structure import poles as poles
 from synth.analyse.structure.structure import transmission_zeros as zeros
+from synth.analyse.time_response import forced_response as forced_response
 from synth.analyse.time_response import impulse_response as impulse_response
 from synth.analyse.time_response import step_response as step_response
 
 __all__ = [
     "c2d",
     "connect",
+    "d2c",
     "delay_samples",
     "disk_margin",
     "feedback",
+    "forced_response",
     "frequency_response",
     "gramians",
     "impulse_response",
@@ -32,6 +37,7 @@ __all__ = [
     "sensitivity",
     "step_response",
     "trim",
+    "tustin",
     "with_delay_and_hold",
     "zeros",
 ]

@@ -1,16 +1,24 @@
-"""Exact discretisation with period T (MATLAB `c2d`, python-control `sample_system`), and Gramians over a period.
+"""Discretisation with period T and back (MATLAB `c2d`, `d2c`, python-control `c2d`), and Gramians over a period.
 
 Zero-order hold (u constant between samples):   x+ = F x + G u,        F = exp(A T), G = int_0^T exp(A s) ds B
 First-order hold (u linear between samples):    x+ = F x + G u + H (u+ - u),
                                                 H = (1/T) int_0^T exp(A s) (T - s) ds B
 
-Each comes from one exponential of a block matrix (Van Loan 1978), computed in ball arithmetic and rounded once.
+Each comes from one exponential of a block matrix (Van Loan 1978), computed in ball arithmetic and rounded once; the
+inverse of a zero-order hold is its logarithm (inverse scaling and squaring: Higham, Functions of Matrices, 11.5).
+
+Trapezoidal rule (Tustin), exact at the frequency w, which 0 makes the one of Tustin's rule without prewarping:
+
+    s = (1/h) (z - 1) / (z + 1),   h = tan(w T / 2) / w,  T / 2 for w = 0
+    F = M (I + h A),   G = 2 h M B,   C M,   D + h C M B,    M = (I - h A)^-1
+
 Likewise the integral of a cost x'Wx over a period of x' = F x, or the covariance of noise of density V (F', V for
 F, W):
 
     M = exp(F T),   W(T) = int_0^T exp(F t)' W exp(F t) dt
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import flint
@@ -20,11 +28,16 @@ from scipy.linalg import lapack
 
 from synth import arguments
 from synth.analyse.numerics import precise
-from synth.errors import SignalError, TimingError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.timing import Continuous, Discrete
+from synth.timing import Continuous, Discrete, Time, period
 
 MOST_STATES = 10_000  # of a delayed model, whose A then takes 800 MB
+NEGATIVE_AXIS = 1e-9  # relative imaginary part of a pole on the negative real axis in z
+LOGARITHM_BITS = 512  # of which the square roots lose one each, and the condition of the matrix some
+NEAR_IDENTITY, SERIES_TERMS = 1 / 16, 80  # artanh(x) to x^80 / 80 for |x| <= 1/32: 2^-400
+MOST_ROOTS, ROOT_STEPS = 100, 60  # a step halves the logarithm of the error's ratio, then doubles the digits
+ROOT_REACHED = 2.0**-400  # relative change of a root in a step
 LINK = 2.0**-40  # of the largest balanced entry: replaces zeros when rows or columns of zeros are scaled
 
 
@@ -79,6 +92,75 @@ def zero_order_hold(system: System, period_s: float) -> StateSpace:
     n, m = model.B.shape
     E = _exponential(np.block([[model.A, model.B], [np.zeros((m, n + m))]]), time.period_s)
     return replace(model, A=E[:n, :n], B=E[:n, n:], time=time)
+
+
+@arguments.checked
+def inverse_zero_order_hold(system: System) -> StateSpace:
+    """Return the continuous model whose zero-order-hold equivalent is this sampled one, with the same names and units.
+
+    It is the one without a mode beyond the Nyquist frequency: its A is the principal logarithm of the sampled A over T.
+    `zero_order_hold` of it with another period resamples the model (MATLAB `d2d`).
+
+    Raises TimingError for a continuous model; ModelError for a pole in z at 0 or on the negative real axis, which no
+    continuous model of this order has.
+    """
+    model = of(system)
+    T = period(model.time)
+    n, m = model.B.shape
+    for z in model.poles:
+        if z.real <= 0 and abs(z.imag) <= NEGATIVE_AXIS * abs(z):
+            raise ModelError(
+                f"the model has a pole at z = {z.real:.4g}, which no continuous model of its order has: take a delay "
+                "out of the model, or use `discretise.inverse_tustin`"
+            )
+    E = np.block([[model.A, model.B], [np.zeros((m, n)), np.eye(m)]])
+    with precise.precision(LOGARITHM_BITS):
+        log = precise.rounded(_logarithm(precise.matrix(E)) / flint.arb(T))
+    return replace(model, A=log[:n, :n], B=log[:n, n:], time=Continuous())
+
+
+@arguments.checked
+def tustin(system: System, period_s: float, frequency: float = 0.0) -> StateSpace:
+    """Return the model discretised by the trapezoidal rule, prewarped to be exact at `frequency` in rad/s.
+
+    Names and units stay; the states are those of the sampled recursion, (I - h A) times the continuous ones at constant
+    input, so a model that is sampled while it runs starts at other values.
+
+    Raises TimingError when the model is sampled already, the period is not positive or the frequency is not from 0 to
+    below Nyquist; ModelError for a pole at 1/h, which the rule maps to infinity.
+    """
+    model = of(system)
+    if not isinstance(model.time, Continuous):
+        raise TimingError(f"a model in {model.time} cannot be sampled again: give the continuous model")
+    time = _period(period_s)
+
+    def compute() -> flint.arb_mat:
+        h, (A, B, C, D) = _half_period(time, frequency), map(precise.matrix, (model.A, model.B, model.C, model.D))
+        identity = precise.identity(len(model.A))
+        M = (identity - A * h).inv()
+        return _stack(M * (identity + A * h), M * B * (2 * h), C * M, D + C * M * B * h)
+
+    return _bilinear(model, time, compute, "1/h, with the half period h of the rule")
+
+
+@arguments.checked
+def inverse_tustin(system: System, frequency: float = 0.0) -> StateSpace:
+    """Return the continuous model of which `tustin` with the same `frequency` in rad/s makes this sampled one.
+
+    Raises TimingError for a continuous model or a frequency that is not from 0 to below Nyquist; ModelError for a pole
+    at z = -1, which the rule maps to infinity.
+    """
+    model = of(system)
+    time = Discrete(period(model.time))
+
+    def compute() -> flint.arb_mat:
+        h, (F, G, H, J) = _half_period(time, frequency), map(precise.matrix, (model.A, model.B, model.C, model.D))
+        identity = precise.identity(len(model.A))
+        W = (F + identity).inv() * flint.arb(2)
+        B = W * G / (2 * h)
+        return _stack((F - identity) * W / (2 * h), B, H * W, J - H * B * h)
+
+    return _bilinear(model, Continuous(), compute, "z = -1")
 
 
 @arguments.checked
@@ -148,6 +230,59 @@ def _van_loan(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
 
     integral = precise.round_correctly(compute, f"the integral over {period_s:g} s")
     return _exponential(F, period_s), (integral + integral.T) / 2
+
+
+def _half_period(time: Discrete, frequency: float) -> flint.arb:
+    """Return h of the trapezoidal rule in s."""
+    T, w = time.period_s, frequency
+    if not 0 <= w * T < np.pi:
+        raise TimingError(
+            f"the frequency {w:g} rad/s is not from 0 to below Nyquist, {np.pi / T:.6g} rad/s: give one between them"
+        )
+    return (flint.arb(w) * flint.arb(T) / 2).tan() / flint.arb(w) if w else flint.arb(T) / 2
+
+
+def _stack(A: flint.arb_mat, B: flint.arb_mat, C: flint.arb_mat, D: flint.arb_mat) -> flint.arb_mat:
+    rows = [
+        [*left, *right] for pair in ((A, B), (C, D)) for left, right in zip(*(M.tolist() for M in pair), strict=True)
+    ]
+    return flint.arb_mat(rows)
+
+
+def _bilinear(model: StateSpace, time: Time, compute: Callable[[], flint.arb_mat], infinite: str) -> StateSpace:
+    """Return the model with other matrices [[A, B], [C, D]] and time; `infinite` names the pole that it cannot have."""
+    n = len(model.A)
+    try:
+        S = precise.round_correctly(compute, "the trapezoidal rule") if n else np.array(model.D)
+    except ZeroDivisionError as error:
+        raise ModelError(
+            f"the model has a pole at {infinite}, which the trapezoidal rule maps to infinity: change the period or "
+            "the frequency, or take the pole out"
+        ) from error
+    return replace(model, A=S[:n, :n], B=S[:n, n:], C=S[n:, :n], D=S[n:, n:], time=time)
+
+
+def _logarithm(E: flint.arb_mat) -> flint.arb_mat:
+    """Return the principal logarithm of a matrix without eigenvalues on the closed negative real axis.
+
+    Square roots (Denman and Beavers 1976) until E is near I, then log E = 2 artanh((E - I) (E + I)^-1) by its series.
+    """
+    identity, roots = precise.identity(E.nrows()), 0
+    while (size := E.nrows() * precise.norm(E - identity)) > NEAR_IDENTITY:
+        if roots == MOST_ROOTS or not np.isfinite(size):
+            raise ModelError("the model's logarithm is not determined by its numbers: give the continuous model")
+        X, Y = E, identity
+        for _ in range(ROOT_STEPS):
+            last, X, Y = X, ((X + Y.inv()) / 2).mid(), ((Y + X.inv()) / 2).mid()
+            if precise.norm(X - last) <= ROOT_REACHED * precise.norm(X):
+                break
+        E, roots = X, roots + 1
+    ratio = (E - identity) * (E + identity).inv()
+    square, power, total = ratio * ratio, ratio, ratio
+    for k in range(3, SERIES_TERMS, 2):
+        power = (power * square).mid()
+        total += power / k
+    return total * flint.arb(2) ** (roots + 1)
 
 
 def _period(period_s: float) -> Discrete:

@@ -1,4 +1,4 @@
-"""Step and impulse responses, exact at given times (`control.step_response`, MATLAB `step` and `impulse`).
+"""Step, impulse and forced responses, exact at given times (python-control's and MATLAB `step`, `impulse`, `lsim`).
 
     continuous   step      y(t) = C int_0^t exp(A s) ds B + D          impulse   y(t) = C exp(A t) B          D = 0
     sampled      step      y(k) = C sum_(i<k) A^i B + D                impulse   y(0) = D,  y(k) = C A^(k-1) B
@@ -13,19 +13,19 @@ The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after
 Markov parameters, whose sum is the step response. MATLAB and python-control use a pulse of height 1/T instead (area 1).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
 from synth.analyse import discretise
 from synth.analyse.loops import transfer
 from synth.analyse.numerics import magnitude
-from synth.errors import ModelError, TimingError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.timing import Continuous
+from synth.timing import Continuous, Discrete
 
 DECADES = 3.0  # of decay, or growth, of the slowest mode in the default duration
 POINTS = 500  # at least, for a continuous model
@@ -135,6 +135,70 @@ def impulse_response(system: System, duration_s: float | None = None, interval_s
     return _response("impulse", model, segments, outputs, None, note)
 
 
+@arguments.checked
+def forced_response(
+    system: System,
+    inputs: Mapping[str, ArrayLike],
+    interval_s: float | None = None,
+    initial: Mapping[str, float] | None = None,
+    *,
+    linear: bool = False,
+) -> Array:
+    """Return the outputs (k, p) for `inputs` by name, each a number or (k,), from `initial` states on.
+
+    Row k is at the time k `interval_s`, without which a sampled model goes by its period. Inputs are held between
+    samples or, with `linear`, interpolated, as python-control does for continuous models. Those left out are 0, and so
+    are states.
+
+    Raises SignalError for a name that the model lacks, and for inputs that are not finite or not of one length;
+    TimingError for a continuous model without interval or a sampled one with one; ModelError for an overflow.
+    """
+    model = of(system)
+    u, x = _columns(model, inputs), np.zeros(len(model.states))
+    for name, value in (initial or {}).items():
+        x[_place("state", name, model.states)] = value
+    if isinstance(model.time, Continuous) == (interval_s is None):
+        raise TimingError(
+            f"a model in {model.time} with the interval {interval_s}: give it to a continuous model alone"
+        )
+    if interval_s is None:
+        F, G, H = model.A, model.B, np.zeros_like(model.B)
+    elif linear:
+        ramp = discretise.first_order_hold(model.A, model.B, interval_s)
+        F, G, H = ramp.F, ramp.G, ramp.H
+    else:
+        (F, G), H = _recursion(model, model.B, Discrete(interval_s).period_s), np.zeros_like(model.B)
+    states = np.empty((len(u), len(x)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(len(u)):
+            states[k] = x
+            x = F @ x + G @ u[k] + H @ (u[min(k + 1, len(u) - 1)] - u[k])
+        return _finite(states @ model.C.T + u @ model.D.T)
+
+
+def _columns(model: StateSpace, inputs: Mapping[str, ArrayLike]) -> Array:
+    """Return inputs by name as columns (k, m)."""
+    values = {name: np.atleast_1d(arguments.real(f"values of input '{name}'", v)) for name, v in inputs.items()}
+    count = max((v.size for v in values.values()), default=0)
+    u = np.zeros((count, len(model.inputs)))
+    for name, v in values.items():
+        if v.ndim != 1 or v.size not in (1, count) or not np.isfinite(v).all():
+            raise SignalError(
+                f"input '{name}' has the shape {v.shape} or is not finite: give a number, or {count} finite ones as "
+                "the longest input has"
+            )
+        u[:, _place("input", name, model.inputs)] = v
+    if not count:
+        raise SignalError("no inputs are given: give samples of one or more, such as {'u1': np.zeros(100)}")
+    return u
+
+
+def _place(kind: str, name: str, names: Sequence[str]) -> int:
+    if name not in names:
+        raise SignalError(f"the model has no {kind} '{name}': it has {', '.join(names) or 'none'}")
+    return list(names).index(name)
+
+
 def _outputs(model: StateSpace, segments: Sequence[_Segment], X: Array, B: Array, D: Array) -> Array:
     """Return C x + D (k, p, m) from X (n, m) on, with B (n, m) for the held input."""
     outputs = np.empty((1 + sum(segment.count for segment in segments), *D.shape))
@@ -147,6 +211,10 @@ def _outputs(model: StateSpace, segments: Sequence[_Segment], X: Array, B: Array
                 X = F @ X + G
                 outputs[k] = model.C @ X + D
             first += segment.count
+    return _finite(outputs)
+
+
+def _finite(outputs: Array) -> Array:
     if not np.isfinite(outputs).all():
         raise ModelError(
             "the response grows beyond what a double holds: give a shorter duration, or close a loop around the model"

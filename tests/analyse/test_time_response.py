@@ -182,3 +182,42 @@ def test_an_impulse_through_D_is_refused_in_continuous_time_alone() -> None:
     ):
         time_response.impulse_response((S + 2) / (S + 1))
     assert time_response.impulse_response(of(([[0.5]], [[1.0]], [[1.0]], [[2.0]], Discrete(0.1)))).outputs[0, 0, 0] == 2
+
+
+@pytest.mark.parametrize("period", [None, 0.05])
+def test_a_forced_response_from_initial_states_is_that_of_python_control(period: float | None) -> None:
+    mine, rng = model(period), np.random.default_rng(5)
+    f, g, x0 = rng.standard_normal(40), rng.standard_normal(40), rng.standard_normal(4)
+    initial = dict(zip(mine.states, x0, strict=True))
+    ours = time_response.forced_response(
+        mine, {"g": g, "f": f}, None if period else 0.05, initial, linear=period is None
+    )
+    theirs = control.forced_response(mine.to_control(), 0.05 * np.arange(40), [f, g], x0)
+    np.testing.assert_allclose(ours, theirs.outputs.T, rtol=0, atol=1e-11)
+
+
+def test_held_inputs_give_the_response_of_the_hold_and_superpose() -> None:
+    continuous, rng = model(), np.random.default_rng(6)
+    f, x0 = rng.standard_normal(30), {"a": 1.0, "d": -2.0}
+    both = time_response.forced_response(continuous, {"f": f, "g": 3.0}, 0.05, x0)
+    np.testing.assert_array_equal(both, time_response.forced_response(model(0.05), {"f": f, "g": 3.0}, initial=x0))
+    parts = [
+        time_response.forced_response(continuous, inputs, 0.05, start)
+        for inputs, start in (({"f": f}, {}), ({"g": np.full(30, 3.0)}, {}), ({"f": np.zeros(30)}, x0))
+    ]
+    np.testing.assert_allclose(both, sum(parts), rtol=0, atol=1e-11)
+
+
+def test_forced_responses_have_closed_forms() -> None:
+    t = 0.01 * np.arange(200)
+    free = time_response.forced_response(([[-2.0]], [[1.0]]), {"u1": np.zeros(200)}, 0.01, {"x1": 3.0})
+    np.testing.assert_allclose(free[:, 0], 3 * np.exp(-2 * t), rtol=EXACT)
+    ramp = time_response.forced_response(1 / S, {"u[0]": t}, 0.01, linear=True)
+    np.testing.assert_allclose(ramp[:, 0], t**2 / 2, rtol=0, atol=EXACT)
+    step = time_response.forced_response(1 / (S + 2), {"u[0]": np.ones(200)}, 0.01)
+    np.testing.assert_allclose(step[:, 0], (1 - np.exp(-2 * t)) / 2, rtol=0, atol=EXACT)
+
+
+def test_a_forced_response_that_overflows_is_refused() -> None:
+    with pytest.raises(ModelError, match="the response grows beyond"):
+        time_response.forced_response(([[2e3]], [[1.0]]), {"u1": np.ones(1000)}, 0.01)

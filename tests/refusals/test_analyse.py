@@ -234,6 +234,26 @@ MODEL = [
         degree=relative_degree.of_plant(AIRCRAFT, ["px"], {"T": 1.1}),
         point=FLIGHT,
     ),
+    call(
+        discretise.tustin,
+        "a pole at 1/h, ...maps to infinity",
+        system=([[256.0]], [[1.0]]),
+        period_s=1 / 128,
+        frequency=0.0,
+    ),
+    call(
+        discretise.inverse_tustin,
+        "a pole at z = -1, ...maps to infinity",
+        system=([[-1.0]], [[1.0]], [[1.0]], [[0.0]], 0.1),
+    ),
+    *(
+        call(
+            discretise.inverse_zero_order_hold,
+            f"a pole at z = {z}, which no",
+            system=([[z]], [[1.0]], [[1.0]], [[0.0]], 0.1),
+        )
+        for z in (0, -0.5)
+    ),
     *(
         call(function, "over 1 s exceeds what a double holds: take a shorter period", **changed, period_s=1.0)
         for function, changed in (
@@ -283,6 +303,11 @@ MODEL = [
     *(call(f, "beyond what a double holds", system=1 / (S - 1), duration_s=1000.0) for f in RESPONSES),
 ]
 SIGNAL = [
+    call(time_response.forced_response, "the model has no input 'u': it has f", inputs={"u": [1.0]}),
+    call(time_response.forced_response, "the model has no state 'z': it has x, v", initial={"z": 1.0}),
+    call(time_response.forced_response, "input 'f' has the shape (2, 2)", inputs={"f": np.eye(2)}),
+    call(time_response.forced_response, "input 'f' has the shape (2,) or is not finite", inputs={"f": [1.0, np.nan]}),
+    call(time_response.forced_response, "no inputs are given", inputs={}),
     call(disk.of_loop, "as many outputs as inputs", loop=([[-1.0]], [[1.0, 2.0]], [[1.0]])),
     call(equilibrium.SampledLoop, "'height' is not one of gap", sensors={"seen": "height"}),
     call(equilibrium.SampledLoop, "'torque' is not one of drive", actuators={"current": "torque"}),
@@ -396,6 +421,21 @@ TIMING = [
     call(zero_dynamics.of_linear, "0.1 s: give the continuous one", system=HELD, degrees=[1]),
     call(discretise.zero_order_hold, "discrete time of 0.1 s cannot be sampled", system=HELD),
     *(call(discretise.first_order_hold, "finite and positive", period_s=T) for T in (0.0, -1.0)),
+    call(discretise.tustin, "discrete time of 0.1 s cannot be sampled", system=HELD),
+    call(discretise.tustin, "from 0 to below Nyquist, 314.159 rad/s", frequency=314.2),
+    call(discretise.inverse_tustin, "from 0 to below Nyquist, 31.4159 rad/s", system=HELD, frequency=-1.0),
+    *(
+        call(f, "no sample period", system=MASS)
+        for f in (discretise.inverse_zero_order_hold, discretise.inverse_tustin)
+    ),
+    call(time_response.forced_response, "with the interval None: give it to a continuous", interval_s=None),
+    call(
+        time_response.forced_response,
+        "with the interval 0.01: give it to a continuous",
+        system=HELD,
+        inputs={"u1": [0.0, 1.0]},
+        initial={},
+    ),
     call(discretise.delay_samples, "sample the model", system=MASS),
     call(discretise.delay_samples, "delay of -1 samples", samples=-1),
     *(
