@@ -12,7 +12,7 @@ from synth.block import Block, unranged
 from synth.blocks.estimate import advance, dead_reckoning, glsdc_estimator, glsdc_search
 from synth.blocks.faults import innovation_monitor, landing, probe, redundancy, start
 from synth.blocks.guard import following, missed_calls, safe_output, safety
-from synth.blocks.laws import derivative_filter, lead_lag, linear_block, predictive_servo, regulator
+from synth.blocks.laws import biquad, derivative_filter, lead_lag, linear_block, predictive_servo, regulator
 from synth.errors import EmitError
 from synth.execute import host
 from synth.verify import agree, sampling
@@ -22,7 +22,7 @@ FAMILIES = (
     *(advance, dead_reckoning, glsdc_estimator, glsdc_search),
     *(innovation_monitor, landing, probe, redundancy, start),
     *(following, missed_calls, safe_output, safety),
-    *(derivative_filter, lead_lag, linear_block, predictive_servo, regulator),
+    *(biquad, derivative_filter, lead_lag, linear_block, predictive_servo, regulator),
 )
 STEPS = 400
 DIFFERENCE = {np.float64: 1e-12, np.float32: 1e-4}  # of the witnesses, relative to the largest value of a signal

@@ -153,6 +153,7 @@ def examples() -> Mapping[str, Call]:
         "advance.acting": {"position": GAP, "samples": 1.5},
         "advance.lost": {"position": GAP},
         "advance.block": {"positions": [advance.Position(GAP, 1.0)], "samples": 1.5, "bad_samples": 5},
+        "biquad.block": {"signal": GAP, "filtered": "gap_filtered", "poles": [30.0, 0.7], "zeros": [40.0, 0.1]},
         "derivative_filter.block": {"signal": GAP, "rate": RATE, "bandwidth": 30.0},
         "lqg.from_measurement": {"plant": held, "estimator": common["estimator"].predictor()},
         "feedback_linearisation.of_plant": {**single, "point": common["point"]},

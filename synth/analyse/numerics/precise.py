@@ -88,7 +88,8 @@ def precision(bits: int = BITS) -> Iterator[None]:
 def matrix(values: ArrayLike) -> flint.arb_mat:
     """Return the doubles of a matrix (n, m), exactly."""
     array = np.asarray(values, dtype=np.float64)
-    return flint.arb_mat(*array.shape, [flint.arb(float(v)) for v in array.ravel()])
+    rows, columns = array.shape
+    return flint.arb_mat(rows, columns, [flint.arb(float(v)) for v in array.ravel()])
 
 
 def rounded(balls: flint.arb_mat) -> Array:
