@@ -54,14 +54,14 @@ def record(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> tuple
     loops: dict[FrameType, _Loops] = {}
 
     def at_event(frame: FrameType, event: str, _: object) -> None:
-        if event == "return" and _computes(frame):
+        if event == "return" and computes(frame):
             running = loops.pop(frame, None)
             values = running.scalars(frame) if running else _computed_scalars(frame.f_locals)
             item = _item_of_call(frame)
             names.update({k: (_after_item(name, item), expr) for k, (name, expr) in values.items()})
 
     def at_call(frame: FrameType, event: str, _: object) -> Any:
-        if not _computes(frame) or not _loop_lines(frame.f_code):
+        if not computes(frame) or not _loop_lines(frame.f_code):
             return None
         loops[frame] = _Loops(frame)
         return loops[frame].at_line
@@ -208,7 +208,7 @@ def _loop_lines(code: CodeType) -> dict[int, tuple[tuple[str, ...], ...]]:
     return lines
 
 
-def _computes(frame: FrameType) -> bool:
+def computes(frame: FrameType) -> bool:
     """Tell whether a frame runs a function of the law, not a comprehension, a library's or a check of arguments."""
     module = str(frame.f_globals.get("__name__", ""))
     return not frame.f_code.co_name.startswith("<") and module not in CHECKS and module.split(".")[0] not in LIBRARIES
@@ -231,7 +231,7 @@ def _scalars(name: str, held: Any, depth: int) -> Iterator[tuple[str, ca.SX]]:
     if isinstance(held, ca.SX):
         yield from _elements(name, held)
     elif depth:
-        for key, item in _items(held).items():
+        for key, item in items(held).items():
             yield from _scalars(key if key.startswith(f"{name}_") else f"{name}_{key}", item, depth - 1)
 
 
@@ -246,7 +246,8 @@ def _elements(name: str, matrix: ca.SX) -> Iterator[tuple[str, ca.SX]]:
                 yield f"{name}_{index}", matrix[i, j]
 
 
-def _items(held: Any) -> dict[str, Any]:
+def items(held: Any) -> dict[str, Any]:
+    """Return the items of a mapping with names, of a dataclass of scalars, or of a short sequence by their names."""
     if isinstance(held, Mapping):
         return {key: item for key, item in held.items() if isinstance(key, str)}
     if dataclasses.is_dataclass(held) and not isinstance(held, type):

@@ -83,8 +83,8 @@ def undetected_defects(stage: Stage) -> list[str]:
     """Return the planted defects that the comparison with the reference does not detect."""
     states, inputs = _steps(stage)
     assert stage.reference is not None
-    expected = agree.reference(stage.reference)(states, inputs)
     block = stage.controller.block
+    expected = agree.reference(stage.reference, block)(states, inputs)
     of_constants = agree.casadi_of_constants(block)
     correct = of_constants({})(states, inputs)
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.reference import guard, servo
-from synth.reference.servo import Servo
+from synth.reference.servo import Bounds, Servo
 
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
@@ -25,25 +25,13 @@ STOPS = (-6e-4, 6e-4)  # m, of z: the field is known between them
 CURRENTS = {"i1": 3.0, "i2": 2.0}
 MADE = 51.0  # m/s^2, of z'': what the coil can make in the box of the stage
 SLEW, BAD_SAMPLES = 100.0, 4
-BOUNDS_Z = {
-    "sum": 0.34,
-    "p1": 0.0096,
-    "q1": 0.26,
-    "z_predicted": 1.4e-3,
-    "vz_predicted": 1.3,
-    "w_z_late1_predicted": 57.0,
-}
-BOUNDS_X = {
-    "sum": 0.51, "p1": 0.014, "q1": 0.41, "p2": 0.073, "q2": 0.48,
-    "x_predicted": 2.4e-3, "vx_predicted": 2.8, "i2_late1_predicted": 2.3,
-}  # fmt: skip
 Z = Servo(
     "z", ((0, 1), (0, 0)), (0, 1), ((0.0, 25.0), (SCAN, 20.0)), (1e8, 1e3), 1e-2, 3e-5, 1e-14, 0.6, WINDUP, T,
-    tuple(BOUNDS_Z.items()),
+    ("z_predicted", "vz_predicted", "w_z_late1_predicted"),
 )  # fmt: skip
 X = Servo(
     "x", ((0, 1), (-SPRING / MASS, -DAMPING / MASS)), (0, COIL / MASS), ((0.0, 25.0), (SCAN, 20.0), (MAINS, 20.0)),
-    (1e8, 1e2), 1e1, 1e-4, 1e-14, 0.5, WINDUP, T, tuple(BOUNDS_X.items()),
+    (1e8, 1e2), 1e1, 1e-4, 1e-14, 0.5, WINDUP, T, ("x_predicted", "vx_predicted", "i2_late1_predicted"),
 )  # fmt: skip
 
 
@@ -52,15 +40,16 @@ def initial_state() -> dict[str, Array]:
     return guard.initial_state(LIMITS, CURRENTS, BAD_SAMPLES) | servo.initial_state([Z, X])
 
 
-def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
-    """Return (next state, outputs, fault word) of one sample, columns by name."""
+def step(state: Columns, inputs: Columns, bounds: Bounds) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Return (next state, outputs, fault word) of one sample, columns by name, with states in their bounds."""
     values, after, word = guard.standard(state, inputs, LIMITS, "zx", BAD_SAMPLES)
-    z, x = (servo.command(axis, values[axis.name], values[f"{axis.name}_ref"], state) for axis in (Z, X))
+    z, x = (servo.command(axis, values[axis.name], values[f"{axis.name}_ref"], state, bounds) for axis in (Z, X))
     field = np.exp(np.clip(z.position, *STOPS) / ELL)
     demand = (M * (z.u + G) / field - F0) / K
     i1, i2 = np.clip(demand, -CURRENTS["i1"], CURRENTS["i1"]), np.clip(x.u, -CURRENTS["i2"], CURRENTS["i2"])
     made = np.clip(field * (F0 + K * i1) / M - G, -MADE, MADE)
-    next_states = servo.next_state(Z, z, made, K * field / M * (i1 - demand)) | servo.next_state(X, x, i2, i2 - x.u)
+    next_states = servo.next_state(Z, z, made, K * field / M * (i1 - demand), bounds)
+    next_states |= servo.next_state(X, x, i2, i2 - x.u, bounds)
     latched = after["guard_latched"] > 0
     out, last = guard.slew(state, {"i1": i1, "i2": i2}, latched, SLEW * T)
     return after | guard.frozen(state, next_states, latched) | last, out, word

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from synth import show
 from synth.analyse.loops.robustness import ClosedLoop, Survey
 from synth.app import builds, fault_jobs, standard_tasks, tables, tasks, verdicts, workspace
 from synth.app.command_results import Failed, finish, run_jobs, successful, writer
@@ -94,22 +95,25 @@ def verify(names: Names, as_json: bool, fresh: bool, core: str | None) -> int:
     for name, verified in results.items():
         if not as_json and isinstance(verified, Verified):
             tables.print_checks(name, verified.checks, verified.figures, verified.notes)
+            for shown in verified.disagreements:
+                tables.print_sheet(shown.sheet())
     return finish(as_json, documents, results, not all(c.passed for r in successful(results) for c in r.checks))
 
 
 @dataclass(frozen=True)
 class Verified:
-    """A verification: the document, the checks, measured values without a limit, and notes below them."""
+    """A verification: the document, the checks, measured values without a limit, notes and disagreements below them."""
 
     document: Mapping[str, Any]
     checks: Sequence[Check]
     figures: Mapping[str, float]
     notes: Sequence[str] = ()
+    disagreements: Sequence[show.Shown] = ()
 
 
 def _on_host(stage: Stage, report: Progress) -> Verified:
     evidence, _ = attempt(partial(builds.verify, stage, True, report), "verification", Evidence(stage.name, (), ()))
-    return Verified(evidence.document(), evidence.checks, {})
+    return Verified(evidence.document(), evidence.checks, {}, (), evidence.disagreements)
 
 
 def verify_board(name: str, port: str, baud: int, as_json: bool) -> int:

@@ -148,6 +148,13 @@ def _print_tables(console: Console, title: str, of: Sequence[show.Table]) -> Non
         _print(console, f"{title}: {t.caption}", t.columns, rows)
 
 
+def print_sheet(sheet: show.Sheet) -> None:
+    """Print the tables of a description, then its sentences."""
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    _print_tables(console, sheet.title, sheet.tables)
+    console.print("\n".join(sheet.lines), highlight=False, markup=False)
+
+
 def print_cost(cost: costs.Cost) -> None:
     """Print every table of a cost, and what was not measured."""
     console = Console(width=None if sys.stdout.isatty() else 160)

@@ -14,7 +14,8 @@ from synth.block import Block
 from synth.errors import WiringError
 from synth.plant import Plant
 
-Reference = Callable[[Any, Any], tuple[Mapping[str, Any], Mapping[str, Any], Any]]  # a step: states, inputs -> ...
+# A step (states, inputs) or (states, inputs, bounds) -> (next states, outputs, fault words): see `verify.agree`.
+Reference = Callable[..., tuple[Mapping[str, Any], Mapping[str, Any], Any]]
 Gains = Callable[[type[np.floating]], Mapping[str, Any]]  # scalar type -> what gains.json says
 
 

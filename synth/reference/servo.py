@@ -24,16 +24,17 @@ from synth.reference import gains as precise
 
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
+Bounds = Mapping[str, tuple[float, float]]  # of each state by name, as the Block declares them
 Matrix = Any  # of mpmath
 
 
 @dataclass(frozen=True)
 class Servo:
-    """What an axis is asked for, and the largest magnitudes of its states as the manifest declares them.
+    """What an axis is asked for, and the names of its states.
 
     `A` (n rows) and `B` (n,) are the continuous model; `modes` are pairs (frequency in rad/s, rate in 1/s), `weights`
-    those of the n states, `process` and `sensor` the noises, `anti_windup` in 1/s, `T` in s. `bounds` are pairs (name,
-    magnitude) of eta, x~ and u(k-1), in this order; a state ``servo_<name>_<part>`` has them.
+    those of the n states, `process` and `sensor` the noises, `anti_windup` in 1/s, `T` in s. `estimates` are the
+    names of x~ and u(k-1), in this order; those of eta are sum, p1, q1, and so on.
     """
 
     name: str
@@ -47,7 +48,13 @@ class Servo:
     set_point_weight: float
     anti_windup: float
     T: float
-    bounds: tuple[tuple[str, float], ...]
+    estimates: tuple[str, ...]
+
+    @property
+    def states(self) -> list[str]:
+        """The names of the states after ``servo_<name>_``: eta, x~ and u(k-1)."""
+        oscillators = range(1, 1 + sum(w != 0 for w, _ in self.modes))
+        return ["sum", *(f"{part}{j}" for j in oscillators for part in "pq"), *self.estimates]
 
 
 @dataclass(frozen=True)
@@ -144,7 +151,7 @@ def gains(axis: Servo) -> Gains:
 
 def initial_state(axes: Sequence[Servo]) -> dict[str, Array]:
     """Return the states after init, by name."""
-    return {f"servo_{axis.name}_{n}": np.array(0.0) for axis in axes for n in (*dict(axis.bounds), "started")}
+    return {f"servo_{axis.name}_{n}": np.array(0.0) for axis in axes for n in (*axis.states, "started")}
 
 
 def along(matrix: Array, *columns: Array) -> Array:
@@ -152,26 +159,27 @@ def along(matrix: Array, *columns: Array) -> Array:
     return np.einsum("ij,j...->i...", matrix, np.stack(np.broadcast_arrays(*columns)))
 
 
-def command(axis: Servo, y: Array, r: Array, state: Columns) -> Command:
-    """Return the command of one sample for a position and a set-point (N,), from the states by name."""
-    k, bounds = gains(axis), dict(axis.bounds)
-    names = list(bounds)
+def command(axis: Servo, y: Array, r: Array, state: Columns, bounds: Bounds) -> Command:
+    """Return the command of one sample for a position and a set-point (N,), from the states by name in their bounds."""
+    k, names = gains(axis), [f"servo_{axis.name}_{n}" for n in axis.states]
     m = len(names) - len(axis.A) - 1  # states of the internal model
-    kept = [np.asarray(state[f"servo_{axis.name}_{n}"], dtype=np.float64) for n in names]
+    kept = [np.asarray(state[n], dtype=np.float64) for n in names]
     started = np.asarray(state[f"servo_{axis.name}_started"]) > 0
     eta, (q, *rates), late = kept[:m], kept[m:-1], kept[-1]
-    q = np.where(started, q, np.clip(q + y, -bounds[names[m]], bounds[names[m]]))  # 0 after init: rests at y
+    q = np.where(started, q, np.clip(q + y, *bounds[names[m]]))  # 0 after init: rests at y
     now = np.stack([q, *rates]) + along(k.M, y - q)
     prediction = along(k.A, *now) + along(k.B, late)
-    at_rest, bound = -(k.on_x[0, 0] + k.on_r[0, 0]) / k.on_eta[0, 0] * y, bounds[names[0]]
-    eta[0] = np.where(started, eta[0], np.clip(eta[0] + at_rest, -bound, bound))  # no command, with the set-point at y
+    at_rest = -(k.on_x[0, 0] + k.on_r[0, 0]) / k.on_eta[0, 0] * y
+    eta[0] = np.where(
+        started, eta[0], np.clip(eta[0] + at_rest, *bounds[names[0]])
+    )  # no command, with the set-point at y
     u = (along(k.on_x, *now) + along(k.on_late, late) + along(k.on_eta, *eta))[0] + k.on_r[0, 0] * r
     return Command(u, prediction[0], along(k.propagate, *eta) + along(k.drive, y - r), prediction)
 
 
-def next_state(axis: Servo, after: Command, made: Array, excess: Array) -> dict[str, Array]:
+def next_state(axis: Servo, after: Command, made: Array, excess: Array, bounds: Bounds) -> dict[str, Array]:
     """Return the next states by name, within their bounds; the actuator has `made` the command but for an `excess`."""
     eta = after.eta + along(gains(axis).E, excess)
-    values = zip(axis.bounds, [*eta, *after.prediction, made], strict=True)
-    bounded = {f"servo_{axis.name}_{n}": np.clip(value, -bound, bound) for (n, bound), value in values}
+    values = dict(zip((f"servo_{axis.name}_{n}" for n in axis.states), [*eta, *after.prediction, made], strict=True))
+    bounded = {n: np.clip(value, *bounds[n]) for n, value in values.items()}
     return bounded | {f"servo_{axis.name}_started": np.ones_like(after.u)}

@@ -13,15 +13,17 @@ of next states is relative to the width of the declared range of the state. Ever
 samples are generated once, in the scalar type of the less precise witness.
 """
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import arguments
+from synth import arguments, show
 from synth.base import column_maps
 from synth.block import Block
 from synth.emit.c import c_text
@@ -50,6 +52,7 @@ class Agreement:
     `state_worst` is the worst difference of a next state, and `state` its name. `ulps` is the worst output difference
     in units in the last place of the scalar type of `second`; `faults_differ` counts samples with different fault
     words. `authority_worst` is the worst difference of next states relative to declared magnitudes, where there are.
+    `disagreement` shows where the two part, once a difference is too large (`verify.disagreement`).
     """
 
     first: str
@@ -64,6 +67,7 @@ class Agreement:
     state_worst: float
     state: str
     authority_worst: float | None = None
+    disagreement: show.Shown | None = None
 
 
 Witness = Callable[[Columns, Columns], StepResults]
@@ -181,11 +185,16 @@ def casadi_own_c(block: Block, flags: Sequence[str] = ()) -> Witness:
     return CasadiWitness(block, ca.external(f.name(), str(library)))
 
 
-def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witness:
+def reference(step: Callable[..., tuple[Columns, Columns, Any]], block: Block | None = None) -> Witness:
     """Return a NumPy step(state, inputs) -> (state', outputs, faults) as a witness.
+
+    A step with a third parameter `bounds` reads the declared ends (low, high) of each state of the `block` by name.
 
     Calling it raises SignalError for a name that the step does not find, and for columns of another shape.
     """
+
+    if block is not None and "bounds" in inspect.signature(step).parameters:
+        step = partial(step, bounds={s.name: (s.signal.low, s.signal.high) for s in block.states})
 
     def witness(states: Columns, inputs: Columns) -> StepResults:
         shape = np.shape(next(iter((inputs or states).values())))

@@ -9,7 +9,7 @@ Verification evidence of a design: measured values with their limits.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from synth.execute import host
 from synth.simulate import study_table
 from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.study import StudyTable
-from synth.verify import agree, replays
+from synth.verify import agree, disagreement, replays, steps
 from synth.verify.agree import Agreement, Columns, StepResults
 
 
@@ -55,7 +55,13 @@ class Evidence:
         )
         columns = ("witnesses", "compared", "samples", "worst difference", "signal")
         tables = [checks.table(self.checks), show.Table("", columns, tuple(agreements))]
-        return show.Sheet(title, tables=tuple(t for t in tables if t.rows))
+        lines = [line for d in self.disagreements for line in (d.sheet().title, *d.sheet().lines)]
+        return show.Sheet(title, tuple(lines), tuple(t for t in tables if t.rows))
+
+    @property
+    def disagreements(self) -> list[show.Shown]:
+        """Where each witness parts from the law, in the first comparison that shows it."""
+        return [*{a.first: a.disagreement for a in reversed(self.agreements) if a.disagreement}.values()][::-1]
 
     @property
     def passed(self) -> bool:
@@ -67,7 +73,9 @@ class Evidence:
         return {
             "design": self.design,
             "passed": self.passed,
-            "agreements": [asdict(a) for a in self.agreements],
+            "agreements": [
+                {k: v for k, v in asdict(a).items() if k != "disagreement" or v is not None} for a in self.agreements
+            ],
             "checks": [c.document() for c in self.checks],
             **({"faults": self.faults.document()} if self.faults else {}),
             **({"study": study_table.document(self.study)} if self.study else {}),
@@ -97,7 +105,7 @@ class Witnesses:
 def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floating], float] | None = None) -> Witnesses:
     """Return all witnesses of a Block; `error` is the relative error of surrogates by scalar type."""
     c64, c32 = (host.compile_block(block, t, error=(error or {}).get(t)) for t in (np.float64, np.float32))
-    others = {"reference": agree.reference(reference), "casadi": agree.casadi(block)}
+    others = {"reference": agree.reference(reference, block), "casadi": agree.casadi(block)}
     return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted_c(c64)}, c64, c32)
 
 
@@ -109,12 +117,27 @@ def compare(
     floor: agree.Floor,
     authority: Mapping[str, float] | None = None,
 ) -> list[Agreement]:
-    """Compare each other witness with the C in double precision over N steps (x, u), as `agree.compare`."""
+    """Compare each other witness with the C in double precision over N steps (x, u), as `agree.compare`.
+
+    One that differs is compared with the law as well: see `disagreement.localise`.
+    """
     c64, block = witness_set.by_name["c64"](states, inputs), witness_set.block
-    return [
+    agreements = [
         agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, block, authority=authority)
         for name, witness in witness_set.oracles.items()
     ]
+    return [a if _agrees(a) else _with_disagreement(a, witness_set, (states, inputs), floor) for a in agreements]
+
+
+def _agrees(a: Agreement) -> bool:
+    """Return whether an agreement passes its checks."""
+    return max(a.worst, a.state_worst, a.authority_worst or 0.0) <= DOUBLE_TOLERANCE and not a.faults_differ
+
+
+def _with_disagreement(a: Agreement, by: Witnesses, stimuli: tuple[Columns, Columns], floor: agree.Floor) -> Agreement:
+    """Return an agreement with the place where the witness parts from the law over steps (states, inputs)."""
+    place = disagreement.localise(a.what, a.first, by.block, by.by_name, stimuli, floor, DOUBLE_TOLERANCE)
+    return replace(a, disagreement=place)
 
 
 def replay(
@@ -123,14 +146,23 @@ def replay(
     floor: agree.Floor,
     authority: Mapping[str, float] | None = None,
 ) -> list[Agreement]:
-    """Compare each other witness with the C in double precision over the N recorded inputs of each run."""
+    """Compare each other witness with the C in double precision over the N recorded inputs of each run.
+
+    A witness that differs is compared with the law as well, in single steps from the states of the C.
+    """
     c64 = [replays.replay_in_parts(witness_set.c64, inputs) for inputs in runs.values()]
     others = {name: replays.repeat(witness, c64) for name, witness in witness_set.oracles.items()}
-    return [
+    agreements = [
         agree.compare(what, (name, pairs[k][0]), ("c64", pairs[k][1]), floor, witness_set.block, authority=authority)
         for k, what in enumerate(runs)
         for name, pairs in others.items()
     ]
+    first = {a.first: a for a in reversed(agreements) if not _agrees(a)}
+    for a in first.values():
+        recorded = steps.record(witness_set.c64, a.what, runs[a.what])
+        stimuli = host.columns(recorded.states), host.columns(recorded.inputs)
+        agreements[agreements.index(a)] = _with_disagreement(a, witness_set, stimuli, floor)
+    return agreements
 
 
 def exact_checks(agreements: Sequence[Agreement], unit: str) -> list[Check]:

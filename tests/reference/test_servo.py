@@ -11,10 +11,11 @@ from synth.reference import servo
 from synth.reference.servo import Servo
 
 T, SCAN = 1 / 2000, 20 * pi
-BOUNDS = {"sum": 1.0, "p1": 1.0, "q1": 1.0, "x_predicted": 1.0, "v_predicted": 10.0, "u_late1_predicted": 100.0}
+LIMITS = {"sum": 1.0, "p1": 1.0, "q1": 1.0, "x_predicted": 1.0, "v_predicted": 10.0, "u_late1_predicted": 100.0}
+BOUNDS = {f"servo_x_{n}": (-bound, bound) for n, bound in LIMITS.items()}
 AXIS = Servo(
     "x", ((0, 1), (-1300.0, -3.3)), (0, 27.0), ((0.0, 25.0), (SCAN, 20.0)), (1e8, 1e2), 1e1, 1e-4, 1e-14, 0.5, 30.0, T,
-    tuple(BOUNDS.items()),
+    ("x_predicted", "v_predicted", "u_late1_predicted"),
 )  # fmt: skip
 
 
@@ -55,12 +56,12 @@ def test_the_loop_decays_and_holds_what_its_modes_ask_for() -> None:
 def test_it_wakes_at_rest_where_it_is() -> None:
     """The first command with the set-point at the position is the one that no integral had to learn: none."""
     state = servo.initial_state([AXIS])
-    first = servo.command(AXIS, np.array(3e-4), np.array(3e-4), state)
+    first = servo.command(AXIS, np.array(3e-4), np.array(3e-4), state, BOUNDS)
     assert first.u == pytest.approx(0.0, abs=1e-9)
-    after = servo.next_state(AXIS, first, first.u, np.zeros(()))
+    after = servo.next_state(AXIS, first, first.u, np.zeros(()), BOUNDS)
     assert after["servo_x_started"] == 1 and set(after) == set(state)
-    far = servo.next_state(AXIS, first, np.array(1e6), np.zeros(()))
-    assert far["servo_x_u_late1_predicted"] == BOUNDS["u_late1_predicted"], "states keep their bounds"
+    far = servo.next_state(AXIS, first, np.array(1e6), np.zeros(()), BOUNDS)
+    assert far["servo_x_u_late1_predicted"] == LIMITS["u_late1_predicted"], "states keep their bounds"
 
 
 @pytest.mark.parametrize("field", ["command_weight", "process", "set_point_weight", "anti_windup", "T"])

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.block import Step, build
+from synth.block import Exprs, State, Step, build
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -72,3 +72,16 @@ def test_columns_of_another_shape_are_refused(step: Any, message: str) -> None:
 def test_a_constant_fault_word_is_that_of_each_step() -> None:
     results = agree.reference(lambda x, u: ({}, {"x": u["x_in"]}, 4))({}, {"x_in": np.zeros(3)})
     assert results.faults.tolist() == [4, 4, 4]
+
+
+def test_a_reference_with_a_third_parameter_reads_the_bounds_of_the_states() -> None:
+    def step(x: Any, u: Any, bounds: Any) -> Any:
+        return {"sum": np.clip(x["sum"] + u["e"], *bounds["sum"])}, {}, 0
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({}, {"sum": x["sum"] + u["e"]})
+
+    e, sums = Signal("e", "m", -1.0, 1.0), State(Signal("sum", "m", -2.5, 4.0), 0.0)
+    block = build("integral", Discrete(1e-3), law, inputs=[e], outputs=[], states=[sums])
+    results = agree.reference(step, block)({"sum": np.array([3.5, 0.0, -2.0])}, {"e": np.array([1.0, 1.0, -1.0])})
+    assert results.states["sum"].tolist() == [4.0, 1.0, -2.5]
