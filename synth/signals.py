@@ -27,6 +27,7 @@ _DERIVED = {
     "T": "kg/s^2/A",
     "Hz": "1/s",
 }
+UNBOUNDED = 1e30  # end of the range of a signal between Blocks that is not limited
 _BASE = ("m", "kg", "s", "A", "K", "rad")
 _KEYWORD = re.compile(
     "auto|break|case|char|const|continue|default|do|double|else|enum|extern|float|for|goto|if|inline|int|long|register|"

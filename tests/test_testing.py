@@ -37,7 +37,7 @@ def squaring(effect: float) -> Stage:
         return Step({"i1_demand": 1e4 * force, "i2_demand": 1e4 * u["x_held"]})
 
     inputs: list[Signal] = [around.held("z"), around.held("x")]
-    outputs = [around.demand("i1", 20.0), around.demand("i2", 20.0)]
+    outputs = [around.demand("i1"), around.demand("i2")]
     constants = [Constant("per_length", 100.0, "1/m", "data sheet")]
     block = build_block("law", time, law, inputs=inputs, outputs=outputs, constants=constants)
     made = stage.controller("squaring", time, around, [block])

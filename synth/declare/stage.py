@@ -22,7 +22,7 @@ from synth.declare.fault_campaign import FaultCampaign, SafeOutput, StudyLimits
 from synth.declare.tuning import Tuning
 from synth.errors import DesignError, SignalError
 from synth.plant import Plant
-from synth.signals import Signal
+from synth.signals import UNBOUNDED, Signal
 from synth.timing import Discrete
 
 DISK = "disk_margin"  # of all loops at once, the others of one loop at a time
@@ -143,9 +143,9 @@ class Interface:
         r, y = self._signal(self.set_point_of[of].name), self._signal(of)
         return Signal(f"{of}_error", y.unit, r.low - y.high, r.high - y.low, f"{r.name} less {of}")
 
-    def demand(self, name: str, bound: float) -> Signal:
-        """Return ``<name>_demand``, the unlimited output of a law, up to +-`bound` in its unit."""
-        return replace(self._signal(name), name=f"{name}_demand", low=-bound, high=bound)
+    def demand(self, name: str) -> Signal:
+        """Return ``<name>_demand``, the output of a law before the actuator's limits: of any size."""
+        return replace(self._signal(name), name=f"{name}_demand", low=-UNBOUNDED, high=UNBOUNDED)
 
     def computed_output(self, name: str) -> Signal:
         """Return ``<name>_computed``: the output of a law that limits its demand itself."""
@@ -155,9 +155,9 @@ class Interface:
         """Return ``<name>_before``, the actuator's value one sample ago."""
         return replace(self._signal(name), name=f"{name}_before")
 
-    def excess(self, name: str, bound: float) -> Signal:
-        """Return ``<name>_excess``, limited minus demanded, for a demand up to +-`bound`; anti-windup reads it."""
-        return replace(self._signal(name), name=f"{name}_excess", low=-bound, high=bound)
+    def excess(self, name: str) -> Signal:
+        """Return ``<name>_excess``, limited minus demanded, of any size; anti-windup reads it."""
+        return replace(self._signal(name), name=f"{name}_excess", low=-UNBOUNDED, high=UNBOUNDED)
 
     def _signal(self, name: str) -> Signal:
         if name not in self.signals:

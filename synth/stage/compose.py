@@ -25,7 +25,7 @@ from synth.declare.stage import (
     Stage,
     Synthesis,
 )
-from synth.errors import DesignError
+from synth.errors import DesignError, SignalError
 from synth.plant import Plant, velocities
 from synth.signals import Signal, signal_names
 from synth.stage import consistency
@@ -55,11 +55,7 @@ def limits(time: Discrete, interface: Interface, demands: Sequence[Signal]) -> B
         excess = {f"{n}_excess": limited[n] - u[s.name] for n, s in ends.items()}
         return Step({f"{n}_computed": v for n, v in limited.items()} | excess)
 
-    bounds = {n: max(abs(s.low), abs(s.high)) for n, s in ends.items()}
-    outputs = [
-        *(interface.computed_output(n) for n in ends),
-        *(interface.excess(n, bound) for n, bound in bounds.items()),
-    ]
+    outputs = [*(interface.computed_output(n) for n in ends), *(interface.excess(n) for n in ends)]
     return build("limits", time, law, inputs=list(demands), outputs=outputs, tag="actuator limits")
 
 
@@ -79,10 +75,12 @@ def controller(
     and drives ``sufficient`` and ``landed`` as well (`blocks.redundancy`, `blocks.landing`).
 
     The controller is composed at its first use, which also calls `laws` where they are a function. `outputs` are by
-    default those of the actuators. A law that reads the value of an actuator comes after the safe output and may
-    distribute it. Without actuators the outputs are those of the laws, which continue after a latch.
+    default those of the actuators. A law that reads the value of an actuator comes after the safe output and may pass
+    it on to several outputs. Without actuators the outputs are those of the laws, which continue after a latch.
 
-    The first use raises WiringError as `composition.compose`, SignalError as `safety.guard` and `safe_output.block`.
+    The first use raises WiringError as `composition.compose`, SignalError as `safety.guard` and `safe_output.block`,
+    for an output that a law computes from values of actuators, whose safe value nobody has declared, and for an
+    actuator that no output passes on.
     """
 
     def compose_laws() -> Composition:
@@ -122,7 +120,36 @@ def _composition(
     block = compose(
         name, parts, inputs=signal_names(interface.inputs), outputs=driven_outputs if outputs is None else list(outputs)
     )
+    if interface.actuators:
+        _require_safe_values(block, interface, blocks)
     return Composition(resolved, parts, safety.frozen(block) if interface.actuators else block)
+
+
+def _require_safe_values(block: Block, interface: Interface, laws: Sequence[Block]) -> None:
+    """Raise SignalError for an output computed from actuators without a safe value, and for an actuator without output.
+
+    `laws` are the Blocks of the laws, of which some come behind the safe output.
+    """
+    assert block.safety is not None
+    outputs = signal_names(block.outputs)
+    origins = {a.name: ([a.name], "") for a in interface.actuators}  # actuators and last Block by signal
+    for _ in laws:
+        for part in laws:
+            read = dict.fromkeys(a for s in part.inputs for a in origins.get(s.name, ([], ""))[0])
+            origins |= {s.name: ([*read], part.name) for s in part.outputs if read and s.name not in origins}
+    if unsafe := [n for n in outputs if n in origins and n not in block.safety.safe_output]:
+        actuators, part_name = origins[unsafe[0]]
+        raise SignalError(
+            f"output '{unsafe[0]}' of '{block.name}' has no safe value: the Block '{part_name}' computes it from "
+            f"{', '.join(actuators)} behind the safe output; declare '{unsafe[0]}' as the actuator, with safe and "
+            f"slew_per_s, and let the Block give '{unsafe[0]}_demand' from demands"
+        )
+    reached = {a for n in outputs for a in origins.get(n, ([], ""))[0]}
+    if idle := [a.name for a in interface.actuators if a.name not in reached]:
+        raise SignalError(
+            f"actuator '{idle[0]}' of '{block.name}' reaches none of the outputs {', '.join(outputs)}, so its safe "
+            f"value has no effect: add '{idle[0]}' to `outputs`, or leave `outputs` out"
+        )
 
 
 def _free_bit(blocks: Sequence[Block]) -> int:

@@ -41,9 +41,9 @@ def interface(
     fault bit above it.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, for a plant input without an
-    actuator or a disturbance, for an actuator with a wider range than its plant input, for a sensor with noise or a
-    resolution that is negative or above COARSEST, or an error that is negative or not finite, and for a `delay` that is
-    not a whole number from 0.
+    actuator or a disturbance, for an actuator with a wider range than its plant input or a safe value outside its own,
+    for a sensor with noise or a resolution that is negative or above COARSEST, or an error that is negative or not
+    finite, and for a `delay` that is not a whole number from 0.
     """
     if not (isinstance(delay, int | np.integer) and delay >= 0):
         raise SignalError(f"the delay is {delay} samples: give a whole number from 0, at least the true delay")
@@ -115,6 +115,12 @@ def _actuator(actuator: Actuator, of: Signal) -> Actuator:
     for value, field in ((actuator.safe, "safe"), (actuator.slew_per_s, "slew_per_s")):
         if not isinstance(value, int | float | np.number):
             raise SignalError(f"actuator '{actuator.name}' has {field} = {value}: give a number in {of.unit}")
+    for value in (actuator.safe, actuator.safe if actuator.landed is None else actuator.landed):
+        if not low <= value <= high:
+            raise SignalError(
+                f"actuator '{actuator.name}' has the safe value {value:g}, outside {low:g} .. {high:g} {of.unit}: "
+                "choose one inside"
+            )
     if low < of.low or high > of.high:
         raise SignalError(
             f"actuator '{actuator.name}' may be {low:g} .. {high:g} {of.unit}, beyond the range of the plant input "

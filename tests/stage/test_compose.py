@@ -1,5 +1,6 @@
 """What surrounds the laws of a stage follows from the plant's signals, and each part of a design can be replaced."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -72,6 +73,13 @@ def test_names_units_and_ranges_come_from_the_plant() -> None:
             r"'i1' may be -3 .. 30 A, beyond the range of the plant input 'i1', -3 .. 3: give it a range inside",
         ),
         ({"actuators": [Actuator("i1", None, 1.0)]}, "'i1' has safe = None: give a number in A"),  # type: ignore[arg-type]
+        (
+            {"actuators": [Actuator("i1", 3.5, 1.0)]},
+            r"'i1' has the safe value 3.5, outside -3 .. 3 A: choose one inside",
+        ),
+        ({"actuators": [Actuator("i1", np.nan, 1.0)]}, r"'i1' has the safe value nan, outside -3 .. 3 A"),
+        ({"actuators": [Actuator("i1", 0.5, 1.0, high=0.4)]}, r"safe value 0.5, outside -3 .. 0.4 A"),
+        ({"actuators": [Actuator("i1", 0.0, 1.0, landed=-4.0)]}, r"'i1' has the safe value -4, outside -3 .. 3 A"),
         ({"disturbances": ["wind"]}, "no input 'wind'"),
         ({"disturbances": []}, "plant input 'hum' is driven by nothing"),
         ({"sensors": [*SENSORS, Sensor("z")]}, "'z' is declared 2 times"),
@@ -238,6 +246,56 @@ def bridges(name: str) -> Block:
         return Step({"bridge": u["i1"]})
 
     return build(name, PID.TIME, law, inputs=[coil], outputs=[bridge])
+
+
+COILS = (Signal("i1", "A", -3, 3), Signal("i2", "A", -2, 2))
+
+
+def distributed(outputs: Mapping[str, Callable[[Exprs], Any]], name: str = "bridges", inputs: Any = COILS) -> Block:
+    """Return a Block that computes currents from values of actuators."""
+    signals = [Signal(n, "A", -9, 9) for n in outputs]
+    return build(
+        name, PID.TIME, lambda u, x, k: Step({n: f(u) for n, f in outputs.items()}), inputs=inputs, outputs=signals
+    )
+
+
+def composed(outputs: Sequence[str], *behind: Block) -> Block:
+    laws = [PID.pid("z"), PID.pid("x"), *behind]
+    return stage.controller("levitator_pid", PID.TIME, PID.INTERFACE, laws, outputs=outputs).block
+
+
+SUM, DIFFERENCE = {"a": lambda u: u["i1"] + u["i2"]}, {"b": lambda u: u["i1"] - u["i2"]}
+TWICE = distributed({"c": lambda u: 2 * u["a"]}, "twice", [Signal("a", "A", -9, 9)])
+
+
+@pytest.mark.parametrize(
+    ("outputs", "behind", "message"),
+    [
+        (
+            ["a", "b"],
+            [distributed(SUM | DIFFERENCE)],
+            "'a' of 'levitator_pid' has no safe value: the Block 'bridges' .* i1, i2",
+        ),
+        (["i1", "i2", "b"], [distributed(DIFFERENCE)], "output 'b' .* declare 'b' as the actuator, .* give 'b_demand'"),
+        (["i1", "c"], [distributed(SUM), TWICE], "output 'c' .* the Block 'twice' computes it from i1, i2 behind"),
+        (
+            ["a", "i2"],
+            [distributed({"a": lambda u: -u["i1"]}, inputs=COILS[:1])],
+            "output 'a' .* computes it from i1 behind",
+        ),
+        (["i2"], [], "actuator 'i1' of 'levitator_pid' reaches none of the outputs i2, .*: add 'i1' to `outputs`"),
+        (["i1", "z_held"], [], "actuator 'i2' .* reaches none of the outputs i1, z_held"),
+    ],
+)
+def test_an_output_without_a_safe_value_is_refused(outputs: Any, behind: Any, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        composed(outputs, *behind)
+
+
+def test_an_output_that_passes_an_actuator_on_has_its_safe_value() -> None:
+    copies = distributed({n: lambda u: u["i1"] for n in ("left", "right")}, inputs=COILS[:1])
+    safety = composed(["left", "right", "i2", "z_held"], copies).safety
+    assert safety and safety.safe_output == {"left": 0.0, "right": 0.0, "i2": 0.0}
 
 
 def test_a_block_of_the_drive_that_is_not_emitted_is_refused() -> None:

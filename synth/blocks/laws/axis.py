@@ -100,10 +100,7 @@ def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
     """Return the Block of one axis: internal model, estimator, gains."""
     axis, model, command = regulator.axis, regulator.controller, wires.command
     bounds = _state_bounds(model, wires)
-    largest = np.insert(wires.bounds, 3, 0.0)  # the excess has no feedthrough to the command
-    bound = MARGIN * float(np.abs(model.C[0]) @ bounds + np.abs(model.D[0]) @ largest)
-    excess = command.excess_signal(bound + wires.bounds[1])
-    inputs = (wires.error, command.limited, wires.measured, excess, wires.reference)
+    inputs = (wires.error, command.limited, wires.measured, command.excess_signal, wires.reference)
     predicted = axis_regulator.predicted_states(axis)
     selected = model.select([model.outputs[0], *(f"{name}_predicted" for name in predicted)], model.inputs)
     names = dict(zip(model.inputs, (s.name for s in inputs), strict=True)) | {model.outputs[0]: command.name}
@@ -111,7 +108,7 @@ def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
         f"servo_{axis.output}",
         _with_negated_error(selected).renamed(names),
         inputs=inputs,
-        outputs=[command.signal(bound), *predicted.values()],
+        outputs=[command.signal, *predicted.values()],
         states=[
             Signal(n, model.unit(n) or "1", -b, b, _description(n, axis))
             for n, b in zip(model.states, bounds, strict=True)

@@ -47,7 +47,7 @@ from synth.analyse.numerics import nearest_root, precise
 from synth.block import Block, Exprs, Step, build, clip
 from synth.declare.stage import Interface
 from synth.errors import SignalError
-from synth.signals import Signal, signal_names
+from synth.signals import UNBOUNDED, Signal
 from synth.statespace import Array, StateSpace, readonly
 from synth.synthesise.nonlinear.feedback_linearisation import Linearisation
 from synth.synthesise.observers import kalman as filters
@@ -310,8 +310,6 @@ def _with_predicted_states(controller: StateSpace, plant: StateSpace, form: Stat
 
 MARGIN = 1.1  # factor on a bound: room for rounding, and for maxima between the sample points
 POINTS, SEED = 256, 11  # number of sample points in the plant's box, in addition to its vertices
-DEMAND_FACTOR = 4.0  # largest demand considered for the bounds of the law's inputs, relative to the achievable one
-UNBOUNDED = 1e30  # bound of an internal signal whose range is not known
 
 
 @dataclass(frozen=True)
@@ -322,13 +320,15 @@ class Command:
     excess: str
     limited: Signal
 
-    def signal(self, bound: float = UNBOUNDED) -> Signal:
-        """Return the command's signal, in -bound .. bound."""
-        return replace(self.limited, name=self.name, low=-bound, high=bound, about="before the limits")
+    @property
+    def signal(self) -> Signal:
+        """The command's signal, of any size."""
+        return replace(self.limited, name=self.name, low=-UNBOUNDED, high=UNBOUNDED, about="before the limits")
 
-    def excess_signal(self, bound: float = UNBOUNDED) -> Signal:
-        """Return the signal of the excess, which is the limited minus the commanded value, in -bound .. bound."""
-        return replace(self.limited, name=self.excess, low=-bound, high=bound, about="limited less commanded")
+    @property
+    def excess_signal(self) -> Signal:
+        """The signal of the excess, which is the limited minus the commanded value."""
+        return replace(self.limited, name=self.excess, low=-UNBOUNDED, high=UNBOUNDED, about="limited less commanded")
 
 
 def command(axis: Axis, interface: Interface) -> Command:
@@ -379,10 +379,10 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
             f"{', '.join(outputs)} by axis.decouple"
         )
     state_signals = _StateSignals(inverse, _states(inverse, axes, interface))
-    actuators, bounds = _actuators(inverse, interface), _actuator_bounds(inverse, commands)
-    demands = [commands[name].signal() for name in outputs]
-    actuator_demands = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
-    actuator_excess = [interface.excess(a, b) for a, b in zip(actuators, bounds, strict=True)]
+    actuators = _actuators(inverse, interface)
+    demands = [commands[name].signal for name in outputs]
+    actuator_demands = [interface.demand(a) for a in actuators]
+    actuator_excess = [interface.excess(a) for a in actuators]
     computed = [interface.computed_output(a) for a in actuators]
 
     def invert(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -399,7 +399,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
         return Step(output | {s.name: clip(achieved[i], s) for i, s in enumerate(limited)})
 
     states, name = list(state_signals.states.values()), "_".join(outputs)
-    achieved_signals = [s for name in outputs for s in (commands[name].excess_signal(), commands[name].limited)]
+    achieved_signals = [s for name in outputs for s in (commands[name].excess_signal, commands[name].limited)]
     tag = f"feedback linearisation of {', '.join(outputs)}"
     return [
         build(f"inverse_{name}", time, invert, inputs=[*states, *demands], outputs=actuator_demands, tag=tag),
@@ -473,14 +473,6 @@ def _demand_bound(inverse: Linearisation, output: str, interface: Interface) -> 
     achieved = degree.drift[i] + ca.mtimes(degree.decoupling[i, :], symbols)
     function = ca.Function("achieved", [inverse.x, symbols], [ca.densify(achieved)])
     return round_up(MARGIN * float(np.abs(np.asarray(function(x, u))).max()))
-
-
-def _actuator_bounds(inverse: Linearisation, commands: Mapping[str, Command]) -> list[float]:
-    """Return bounds of the law's inputs in the plant's box, for demands up to DEMAND_FACTOR times the achievable."""
-    outputs = signal_names(inverse.degree.model.outputs)
-    largest = {name: DEMAND_FACTOR * commands[name].limited.high for name in outputs}
-    x, w = _sample_points(inverse, {f"w_{name}": (-b, b) for name, b in largest.items()})
-    return [round_up(MARGIN * float(v)) for v in np.abs(np.asarray(inverse.law(x, w))).max(axis=1)]
 
 
 def round_up(value: float) -> float:

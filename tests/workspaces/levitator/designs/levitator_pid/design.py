@@ -38,7 +38,7 @@ def pid(axis: str) -> Block:
     actuator, P, Ki, D = GAINS[axis]
     error, limit = INTERFACE.error(axis), INTERFACE.signals[actuator].high
     width = (error.high - error.low) / TIME.period_s
-    demand = INTERFACE.demand(actuator, P * error.high + 2 * limit + D * width)
+    demand = INTERFACE.demand(actuator)
     values = {
         "p": P,
         "i": Ki * TIME.period_s,
@@ -58,7 +58,7 @@ def pid(axis: str) -> Block:
         State(Signal("v", "m/s", -width, width), 0.0),
         State(Signal("e_previous", "m", error.low, error.high), 0.0),
     ]
-    inputs = [error, Signal("ready", "1", 0, 1), INTERFACE.excess(actuator, demand.high)]
+    inputs = [error, Signal("ready", "1", 0, 1), INTERFACE.excess(actuator)]
     constants = [Constant(n, v, units[n], "by hand") for n, v in values.items()]
     return build(
         f"pid_{axis}", TIME, law, inputs=inputs, outputs=[demand], states=states, constants=constants, tag="PID"
