@@ -36,7 +36,9 @@ class Sensor:
     `resolution` and `noise` (standard deviation, white) are in the output's unit. The guard accepts `low` .. `high`,
     by default the output's range. Before the first good sample, and with `held=False` for each bad one, it takes
     `initial`, by default the value nearest to 0. `offset` is the largest error of its zero, `gain_error` the largest
-    relative one of its sensitivity, on the machines of studies and fault campaigns.
+    relative one of its sensitivity, on the machines of studies and fault campaigns. A reading that `wraps` starts over
+    after this span, in the output's unit: it lies in `low`, by default 0, to `low` + `wraps`, while the output goes on.
+    Operating points then lie in this range; `estimate.unwrap` counts the turns for the law.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Sensor:
     initial: float | None = None
     held: bool = True
     about: str = ""
+    wraps: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -128,8 +131,8 @@ class Interface:
 
     @property
     def set_point_of(self) -> dict[str, SetPoint]:
-        """The set-point of each sensor that has one, in the order of the set-points."""
-        return {s.name: p for p in self.set_points for s in self.sensors if p.of in (s.name, s.of)}
+        """The set-point of each sensor that has one and does not wrap, in the order of the set-points."""
+        return {s.name: p for p in self.set_points for s in self.sensors if p.of in (s.name, s.of) and not s.wraps}
 
     def held(self, name: str) -> Signal:
         """Return ``<name>_held``, the guard's output for a sensor or set-point; raise SignalError for another name."""

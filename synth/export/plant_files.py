@@ -38,7 +38,8 @@ def tables(rig: Rig, outputs: Sequence[str], sizes: Mapping[str, int]) -> dict[s
     hold = rig.drive_commands(stage.start, safe) if rig.drive else safe
     stops = [(states.index(q), states.index(stage.velocities[q]), *map(_c, ends)) for q, ends in stage.stops.items()]
     sensors = [
-        {"source": measured.index(s.of), "resolution": _c(s.resolution), "noise": _c(s.noise)}
+        {"source": measured.index(s.of)}
+        | {name: _c(value) for name, value in vars(s).items() if name in ("resolution", "noise", "wraps", "low")}
         for s in stage.interface.sensors
     ]
     return {

@@ -44,6 +44,7 @@ typedef struct {
     const double *sensor_gain, *sensor_bias;      /* of the reading: gain y + bias + noise */
     const double *sensor_resolution;              /* 0: ideal */
     const double *sensor_low, *sensor_high;       /* saturation limits */
+    const double *sensor_span;                    /* after which a reading starts over at sensor_low; 0: never */
     const double *noise;                          /* 0, or (samples, sensors): added before the encoder */
     const uint8_t *overridden;                    /* 0, or (samples, sensors): the input holds this sample already */
     const int64_t *sensor_lag; /* 0, or (samples, sensors): the input is the reading so many samples ago */
@@ -152,8 +153,10 @@ static void measure(const loop_t *loop, int64_t k, const double *y) {
         const double seen = loop->noise ? scaled + loop->noise[k * loop->sensors + i] : scaled;
         const double resolution = loop->sensor_resolution[i];
         const double counted = resolution > 0.0 ? resolution * rint(seen / resolution) : seen;
+        const double span = loop->sensor_span[i];
+        const double wrapped = span > 0.0 ? counted - span * floor((counted - loop->sensor_low[i]) / span) : counted;
         /* Non-finite plant outputs are passed on unchanged. */
-        const double held = counted > loop->sensor_high[i] ? loop->sensor_high[i] : counted;
+        const double held = wrapped > loop->sensor_high[i] ? loop->sensor_high[i] : wrapped;
         const double limited = held < loop->sensor_low[i] ? loop->sensor_low[i] : held;
         const double value = with_faulty_bits(loop, k, i, delayed(loop, k, i, limited));
         const float narrow = (float)value;

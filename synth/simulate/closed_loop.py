@@ -43,7 +43,7 @@ _MEMBERS = (
     *("first", "samples", "substeps", "delay", "period", "p", "x", "input", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
     *("sensors", "sensor_source", "sensor_offset", "sensor_gain", "sensor_bias", "sensor_resolution"),
-    *("sensor_low", "sensor_high", "noise", "overridden", "sensor_lag", "readings"),
+    *("sensor_low", "sensor_high", "sensor_span", "noise", "overridden", "sensor_lag", "readings"),
     *("word_low", "word_step", "flipped", "set_bits", "cleared"),
     *("commands", "command_offset", "mixing", "forcing", "waiting", "input_gain", "input_bias", "missed"),
     *("single", "step", "state", "in_size", "out_size", "in", "out", "faults"),

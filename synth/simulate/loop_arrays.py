@@ -95,8 +95,8 @@ def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario,
         arrays["noise"] = np.array(
             [c + more for c, more in zip(columns, noises, strict=True)], dtype=np.float64
         ).T.copy()
-    chains = np.array([model.chain for model in models], dtype=np.float64).reshape(-1, 5).T.copy()
-    gain, bias, resolution, low, high = chains
+    chains = np.array([model.chain for model in models], dtype=np.float64).reshape(-1, 6).T.copy()
+    gain, bias, resolution, low, high, span = chains
     return arrays | {
         "sensor_source": np.array([[*outputs].index(s) for s in sensors.values()], dtype=np.int64),
         "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
@@ -105,6 +105,7 @@ def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario,
         "sensor_resolution": resolution,
         "sensor_low": low,
         "sensor_high": high,
+        "sensor_span": span,
     }
 
 

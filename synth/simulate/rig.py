@@ -207,9 +207,7 @@ class Rig:
 
         What else the drive reads of the controller is that of a first sample at rest there.
         """
-        interface = self.stage.interface
-        positions = self.plant.output_values(start)
-        known: dict[str, Any] = {s.name: float(positions[s.of][0]) for s in interface.sensors}
+        known: dict[str, Any] = self._ideal_readings(start)
         known |= self.set_points_at(start) | self.call_counts
         return _first_drive_commands(self.controller, self.drive, tuple(known.items()), tuple(commands.items()))
 
@@ -226,10 +224,8 @@ class Rig:
 
     def at_rest(self) -> dict[str, float]:
         """Return the controller inputs at the initial state of the stage, with zero plant inputs."""
-        interface, start = self.stage.interface, self.stage.start
-        outputs = self.plant.output_values(start)
-        sensors = {s.name: float(outputs[s.of][0]) for s in interface.sensors}
-        return sensors | self.set_points_at(start) | self.call_counts
+        start = self.stage.start
+        return self._ideal_readings(start) | self.set_points_at(start) | self.call_counts
 
     def set_points_at(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return the set-points of a stage that rests at `start`, the nearest allowed where it rests on a stop.
@@ -250,12 +246,23 @@ class Rig:
         return {count.name: 0.0} if count and count.name in (self.controller.inputs.names or ()) else {}
 
     def _encoders(self) -> dict[str, Encoder]:
-        resolutions = {s.name: s.resolution if self.quantised else 0.0 for s in self.stage.interface.sensors}
-        return {
-            name: Encoder(resolution, self.offsets.get(name, 0.0), self.gain_errors.get(name, 0.0))
-            for name, resolution in resolutions.items()
-            if resolution or name in self.offsets or name in self.gain_errors
+        encoders = {
+            s.name: Encoder(
+                s.resolution if self.quantised else 0.0,
+                self.offsets.get(s.name, 0.0),
+                self.gain_errors.get(s.name, 0.0),
+                *((s.wraps, s.low) if s.wraps and s.low is not None else ()),
+            )
+            for s in self.stage.interface.sensors
         }
+        return {name: encoder for name, encoder in encoders.items() if encoder != Encoder()}
+
+    def _ideal_readings(self, start: Mapping[str, float]) -> dict[str, float]:
+        """Return what the sensors show at rest at `start`, without errors."""
+        outputs, ideal = self.plant.output_values(start), replace(self, quantised=False, offsets={}, gain_errors={})
+        encoders = ideal._encoders()
+        sensors = self.stage.interface.sensors
+        return {s.name: float(encoders.get(s.name, Encoder()).read(outputs[s.of][0])) for s in sensors}
 
     def sensor_noise(self, n: int) -> dict[str, Array]:
         """Return n samples of noise for each noisy sensor; a shorter record is the beginning of a longer one."""

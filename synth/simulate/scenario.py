@@ -7,6 +7,7 @@ Sensor models: the reading m of the controller for the plant output y.
 
     seen      s = (1 + gain_error) y + offset + noise          of every sensor
     Encoder   m = r round(s / r), halves to even, so |m - s| <= r/2 for the resolution r;  m = s for r = 0
+              with a span w it starts over: m - w floor((m - low) / w), from low to low + w
     Analogue  as an encoder with r = (high - low) / 2^bits, limited to low .. high
     word      the count of a reading with some bits set or inverted, see `Word`
     override  m_k = v_k at every sample k of the mask, independent of y
@@ -27,26 +28,33 @@ from synth import arguments, show
 from synth.errors import SignalError
 from synth.statespace import Array
 
-Chain = tuple[float, float, float, float, float]  # gain, offset, resolution, low, high
+Chain = tuple[float, float, float, float, float, float]  # gain, offset, resolution, low, high, span
 
 
 @dataclass(frozen=True)
 class Encoder:
-    """An incremental encoder of `resolution`, in the unit of the measured quantity; 0 makes it ideal."""
+    """An encoder of `resolution`, in the unit of the measured quantity; 0 makes it ideal.
+
+    With a `span` above 0 its reading starts over at `low` after each span.
+    """
 
     resolution: float = 0.0
     offset: float = 0.0
     gain_error: float = 0.0
+    span: float = 0.0
+    low: float = -math.inf
 
     def __post_init__(self) -> None:
+        if self.span and not (0 < self.span < math.inf and math.isfinite(self.low)):
+            raise SignalError(f"encoder span is {self.span} from {self.low}: give finite numbers, the span above 0")
         if not (math.isfinite(self.resolution) and self.resolution >= 0):
             raise SignalError(f"encoder resolution is {self.resolution}: give a finite number, 0 for an ideal sensor")
         _check_errors("encoder", self.offset, self.gain_error)
 
     @property
     def chain(self) -> Chain:
-        """Gain, offset, resolution and limits."""
-        return 1 + self.gain_error, self.offset, self.resolution, -math.inf, math.inf
+        """Gain, offset, resolution, limits and span."""
+        return 1 + self.gain_error, self.offset, self.resolution, self.low, math.inf, self.span
 
     def read(self, y: ArrayLike) -> NDArray[np.float64]:
         """Return the reading of the encoder at y, any shape, in the unit of y."""
@@ -90,8 +98,8 @@ class Analogue:
 
     @property
     def chain(self) -> Chain:
-        """Gain, offset, resolution and limits."""
-        return 1 + self.gain_error, self.offset, self.resolution, self.low, self.high
+        """Gain, offset, resolution, limits and span."""
+        return 1 + self.gain_error, self.offset, self.resolution, self.low, self.high, 0.0
 
     def read(self, y: ArrayLike) -> NDArray[np.float64]:
         """Return the reading of the converter at y without noise, any shape, in the unit of y."""
@@ -111,9 +119,10 @@ def _check_errors(what: str, offset: float, gain_error: float) -> None:
 
 
 def _read(chain: Chain, y: ArrayLike) -> NDArray[np.float64]:
-    gain, offset, resolution, low, high = chain
+    gain, offset, resolution, low, high, span = chain
     seen = gain * np.asarray(y, dtype=np.float64) + offset
-    return np.clip(resolution * np.rint(seen / resolution) if resolution else seen, low, high)
+    counted = resolution * np.rint(seen / resolution) if resolution else seen
+    return np.clip(counted - span * np.floor((counted - low) / span) if span else counted, low, high)
 
 
 @dataclass(frozen=True, eq=False)

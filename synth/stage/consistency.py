@@ -106,7 +106,7 @@ def _require_reachable_stops(stage: Stage) -> None:
                 f"the stops of '{q}' are at {low:g} and {high:g} {s.unit}, beyond the plant's range of {s.low:g} .. "
                 f"{s.high:g}: choose stops inside, or a wider range of '{q}'"
             )
-        read = [stage.interface.signals[each.name] for each in sensors if each.of == q]
+        read = [stage.interface.signals[each.name] for each in sensors if each.of == q and not each.wraps]
         if read and not any(r.low <= low and high <= r.high for r in read):
             raise SignalError(
                 f"sensor '{read[0].name}' may be {read[0].low:g} .. {read[0].high:g} {s.unit}, but '{q}' has stops at "
@@ -120,7 +120,9 @@ def _require_set_points_in_range(stage: Stage) -> None:
     outputs = {s.name: s.of for s in interface.sensors}
     for point in interface.set_points:
         limits, unit = [], interface.signals[point.name].unit
-        for sensor in (interface.signals[s.name] for s in interface.sensors if point.of in (s.name, s.of)):
+        for sensor in (
+            interface.signals[s.name] for s in interface.sensors if point.of in (s.name, s.of) and not s.wraps
+        ):
             limits.append((f"the range of its sensor '{sensor.name}'", sensor.low, sensor.high))
         position = outputs.get(point.of, point.of)
         if position in stage.stops:

@@ -43,7 +43,8 @@ def interface(
     Raises SignalError for a name that the plant does not have or that is declared twice, for a plant input without an
     actuator or a disturbance, for an actuator with a wider range than its plant input or a safe value outside its own,
     for a sensor with noise or a resolution that is negative or above COARSEST, or an error that is negative or not
-    finite, and for a `delay` that is not a whole number from 0.
+    finite, for `wraps` that is not positive or stands beside a `high`, and for a `delay` that is not a whole number
+    from 0.
     """
     if not (isinstance(delay, int | np.integer) and delay >= 0):
         raise SignalError(f"the delay is {delay} samples: give a whole number from 0, at least the true delay")
@@ -86,6 +87,14 @@ def _range(low: float | None, high: float | None, of: Signal) -> tuple[float, fl
 
 def _sensor(sensor: Sensor, of: Signal) -> Sensor:
     low, high = _range(sensor.low, sensor.high, of)
+    if sensor.wraps:
+        if not 0 < sensor.wraps < math.inf or sensor.high is not None:
+            raise SignalError(
+                f"sensor '{sensor.name}' wraps after {sensor.wraps:g} {of.unit}, with high = {sensor.high}: give a "
+                "finite span above 0, and no high, which is low + wraps"
+            )
+        low = sensor.low or 0.0
+        high = low + sensor.wraps
     if not 0 <= sensor.resolution <= COARSEST * (high - low):
         raise SignalError(
             f"sensor '{sensor.name}' has a resolution of {sensor.resolution:g} {of.unit} in a range of {low:g} .. "

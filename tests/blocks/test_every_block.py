@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, unranged
-from synth.blocks.estimate import advance, dead_reckoning, glsdc_estimator, glsdc_search
+from synth.blocks.estimate import advance, dead_reckoning, glsdc_estimator, glsdc_search, unwrap
 from synth.blocks.faults import innovation_monitor, landing, probe, redundancy, start
 from synth.blocks.guard import following, missed_calls, safe_output, safety
 from synth.blocks.laws import biquad, derivative_filter, lead_lag, linear_block, predictive_servo, regulator
@@ -19,7 +19,7 @@ from synth.verify import agree, sampling
 from tests.hostile import search
 
 FAMILIES = (
-    *(advance, dead_reckoning, glsdc_estimator, glsdc_search),
+    *(advance, dead_reckoning, glsdc_estimator, glsdc_search, unwrap),
     *(innovation_monitor, landing, probe, redundancy, start),
     *(following, missed_calls, safe_output, safety),
     *(biquad, derivative_filter, lead_lag, linear_block, predictive_servo, regulator),

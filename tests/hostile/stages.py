@@ -66,6 +66,13 @@ def examples() -> Mapping[str, Call]:
         "innovation_monitor.states": {"channels": coils, "repeats": 6},
         "innovation_monitor.numbers": {"channels": coils, "repeats": 6},
         "innovation_monitor.longest": {"channels": 6, "repeats": 14},
+        "unwrap.block": {
+            "reading": GAP,
+            "position": replace(GAP, name="position", low=-10.0, high=10.0),
+            "span": 3.0,
+            "speed": 20.0,
+            "bad_samples": 3,
+        },
         "following.Axis": fields(behind),
         "following.block": {"time": Discrete(1e-3), "axes": [behind]},
         "dead_reckoning.block": {"axes": [moving]},

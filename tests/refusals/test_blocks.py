@@ -28,7 +28,6 @@ from synth.blocks.guard import following, missed_calls, safe_output, safety
 from synth.blocks.laws import (
     axis,
     axis_regulator,
-    biquad,
     derivative_filter,
     error_map,
     lead_lag,
@@ -298,11 +297,6 @@ SIGNAL = [
     call(synthesised, "must lie below", modes={7000.0: 5.0}),
     call(synthesised, "the delay is -1 samples", delay=-1),
     *(call(derivative_filter.block, "between 0 and 314.159 rad/s", bandwidth=w) for w in (0.0, -5.0, 314.2, np.inf)),
-    *(call(biquad.block, "between 0 and 314.159 rad/s", poles=p) for p in ((0.0, 0.7), (315.0, 0.7), (30.0,))),
-    call(biquad.block, "the zeros of the biquad are (30.0, nan): give their", zeros=(30.0, np.nan)),
-    call(biquad.block, "the damping of the poles of the biquad is 0: give one above 0", poles=(30.0, 0.0)),
-    call(biquad.block, "the damping of the zeros of the biquad is -0.1", zeros=(30.0, -0.1)),
-    call(biquad.block, "the gain of the biquad is inf", gain=np.inf),
     call(derivative_filter.block, "the rate 'q' of 'gap' is in m: it must be in m/s", rate=Q),
     *(
         call(
@@ -349,7 +343,6 @@ SIGNAL = [
     ),
 ]
 MODEL = [
-    call(biquad.block, "a mode of them has |z| = 0.9999999", poles=(1e-5, 0.7)),
     call(angle, "'turn' is an angle", periodic=True),
     call(angle, "'turn' is an angle", signal=Signal("turn", "rad", -1.3, 1.3)),
     *(

@@ -235,7 +235,14 @@ def test_forcing_is_added_to_what_is_commanded_in_each_substep(mass: Plant, leve
 def test_sensor_errors_are_those_declared(magnet: Plant, level: Level, scalar: str) -> None:
     controller = level(scalar)
     analogue = Analogue(0.0, 0.04, bits=12, noise=2e-5, offset=1e-5, gain_error=1e-3, seed=5)
-    for sensor in (Encoder(0.0, 1e-5, -1e-3), Encoder(1e-6, 2e-5, 1e-3), analogue, replace(analogue, low=0.0208)):
+    wrapping = Encoder(1e-6, span=3e-4, low=0.0207)
+    for sensor in (
+        wrapping,
+        Encoder(0.0, 1e-5, -1e-3),
+        Encoder(1e-6, 2e-5, 1e-3),
+        analogue,
+        replace(analogue, low=0.0208),
+    ):
         trajectory = closed_loop.simulate(magnet, controller, replace(BASE, encoders={"gap": sensor}))
         noise = sensor.noise_of(300, 0) / (1 + sensor.gain_error)
         assert np.array_equal(

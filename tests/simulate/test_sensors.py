@@ -26,6 +26,14 @@ def test_zero_resolution_is_ideal() -> None:
     assert Encoder().read(0.123456789) == 0.123456789
 
 
+def test_a_reading_starts_over_after_its_span() -> None:
+    assert Encoder(0.25, span=2.0, low=-1.0).read([0.9, 0.85, 1.0, -1.0, -1.1, 7.3]) == pytest.approx(
+        [-1.0, 0.75, -1.0, -1.0, 1.0 - 2.0, -0.75]
+    )
+    y = np.random.default_rng(1).uniform(-50, 50, 1000)
+    np.testing.assert_allclose(Encoder(span=6.0, low=0.5).read(y), 0.5 + (y - 0.5) % 6.0, rtol=0, atol=1e-13)
+
+
 @pytest.mark.parametrize("resolution", [-1e-5, np.nan, np.inf])
 def test_a_resolution_that_is_none_is_refused(resolution: float) -> None:
     with pytest.raises(SignalError, match="encoder resolution"):
@@ -54,6 +62,8 @@ def test_noise_has_its_size_and_its_seed() -> None:
         (lambda: Analogue(0.0, 1.0, noise=-1.0), "noise -1.0 rms"),
         (lambda: Encoder(0.0, np.nan), "encoder has the offset nan"),
         (lambda: Encoder(1e-3, 0.0, np.inf), "encoder has the offset 0.0 and the gain error inf"),
+        (lambda: Encoder(span=-1.0, low=0.0), "encoder span is -1.0 from 0.0: give finite numbers"),
+        (lambda: Encoder(span=1.0), "encoder span is 1.0 from -inf: give finite numbers"),
         (lambda: Analogue(-1e308, 1e308, bits=2), "give finite ends"),
         (lambda: Analogue(0, 1, noise=1, seed=-1), "give a whole number from 0 on"),
     ],

@@ -97,12 +97,21 @@ def test_what_the_plant_does_not_have_is_refused_by_name(changed: dict[str, Any]
         (Sensor("z", resolution=-1e-8), "'z' has a resolution of -1e-08 m"),
         (Sensor("z", noise=-1e-8), "sensor 'z' has noise of -1e-08 m in a range of"),
         (Sensor("z", offset=-1e-6), "sensor 'z' has offset = -1e-06: give its largest size in m, finite, from 0 on"),
+        (Sensor("z", wraps=-1e-3), "sensor 'z' wraps after -0.001 m, with high = None: give a finite span above 0"),
+        (Sensor("z", wraps=1e-3, high=1e-3), "sensor 'z' wraps after 0.001 m, with high = 0.001: .* and no high"),
         (Sensor("z", gain_error=np.nan), "sensor 'z' has gain_error = nan: give its largest size in 1, finite"),
     ],
 )
 def test_a_resolution_or_noise_that_no_sensor_has_is_refused(sensor: Sensor, message: str) -> None:
     with pytest.raises(SignalError, match=message):
         around(sensors=[sensor])
+
+
+def test_a_sensor_that_wraps_has_the_range_of_its_span_and_no_error_of_its_own() -> None:
+    interface = around(sensors=[*SENSORS, Sensor("turn", of="z", wraps=2e-4, low=-1e-4), Sensor("b", of="x", wraps=1)])
+    assert [(interface.signals[n].low, interface.signals[n].high) for n in ("turn", "b")] == [(-1e-4, 1e-4), (0, 1)]
+    with pytest.raises(SignalError, match="'turn' is no sensor with a set-point"):
+        interface.error("turn")
 
 
 @pytest.mark.parametrize("delay", [-1, 0.5])

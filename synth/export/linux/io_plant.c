@@ -108,7 +108,8 @@ static int read_plant(double sensors[])
         const sensor_model_t *const s = &PLANT_SENSORS[i];
         const double scaled = y[s->source] + 0.0; /* -0 becomes 0 */
         const double seen = (s->noise > 0.0) ? scaled + s->noise * normal() : scaled;
-        sensors[i] = (s->resolution > 0.0) ? s->resolution * rint(seen / s->resolution) : seen;
+        const double counted = (s->resolution > 0.0) ? s->resolution * rint(seen / s->resolution) : seen;
+        sensors[i] = (s->wraps > 0.0) ? counted - s->wraps * floor((counted - s->low) / s->wraps) : counted;
     }
     memcpy(plant.held, plant.due, sizeof plant.held);
     mix();

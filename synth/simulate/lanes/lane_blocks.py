@@ -369,7 +369,7 @@ _MEMBERS = (
     *("samples", "substeps", "delay", "order", "every", "period", "p", "x", "left", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
     *("sensors", "sensor_source", "sensor_input", "sensor_gain", "sensor_bias", "sensor_resolution"),
-    *("sensor_low", "sensor_high", "noise", "overridden"),
+    *("sensor_low", "sensor_high", "sensor_span", "noise", "overridden"),
     *("commands", "command_output", "weights", "weight_input", "weight_command", "weight"),
     *("forcing", "forcing_stride", "waiting"),
     *("reals", "counters", "constants", "in", "out"),

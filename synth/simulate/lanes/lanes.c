@@ -29,7 +29,7 @@ typedef struct {
 
     int64_t sensors;
     const int64_t *sensor_source, *sensor_input; /* plant output; row of the controller's input */
-    const vd *sensor_gain, *sensor_bias, *sensor_resolution, *sensor_low, *sensor_high;
+    const vd *sensor_gain, *sensor_bias, *sensor_resolution, *sensor_low, *sensor_high, *sensor_span;
     const vd *noise;           /* 0, or (samples, sensors) */
     const uint8_t *overridden; /* 0, or (samples, sensors): the input holds this sample already */
 
@@ -181,7 +181,10 @@ static void measure(const loop_t *loop, int64_t k, const vd *y) {
         const vd step = loop->sensor_resolution[i];
         vd seen = loop->sensor_gain[i] * y[loop->sensor_source[i]] + loop->sensor_bias[i];
         if (loop->noise) seen += loop->noise[k * loop->sensors + i];
-        const vd value = vd_choose(step > vd_all(0.0), step * nearest_whole(seen / step), seen);
+        const vd counted = vd_choose(step > vd_all(0.0), step * nearest_whole(seen / step), seen);
+        const vd span = loop->sensor_span[i], turns = (counted - loop->sensor_low[i]) / span;
+        const vd nearest = nearest_whole(turns), whole = vd_choose(nearest > turns, nearest - vd_all(1.0), nearest);
+        const vd value = vd_choose(span > vd_all(0.0), counted - span * whole, counted);
         const vd held = vd_choose(value > loop->sensor_high[i], loop->sensor_high[i], value);
         const vd limited = vd_choose(held < loop->sensor_low[i], loop->sensor_low[i], held);
         loop->in[loop->sensor_input[i]] = __builtin_convertvector(limited, scalar);

@@ -36,7 +36,17 @@ _SHARED = (
 )
 _OF_PLANT, _OF_SENSORS = ("x0", "velocities", "stops", "locked"), ("sensors", "encoders", "noise", "overrides")
 _OF_ACTUATORS = ("duration_s", "actuators", "hold", "forcing", "delay", "substeps")
-_OF_LANE = ("x", "impact", "sensor_gain", "sensor_bias", "sensor_resolution", "sensor_low", "sensor_high", "waiting")
+_OF_LANE = (
+    "x",
+    "impact",
+    "sensor_gain",
+    "sensor_bias",
+    "sensor_resolution",
+    "sensor_low",
+    "sensor_high",
+    "sensor_span",
+    "waiting",
+)
 
 
 @dataclass(frozen=True, eq=False)

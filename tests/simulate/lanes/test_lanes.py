@@ -224,6 +224,11 @@ def test_sensors_in_lanes_count_as_encoders_do() -> None:
     np.testing.assert_allclose(counts, np.rint(counts), rtol=0, atol=1e-9)
     seen = 1.01 * fast.outputs["z"] + 3e-6 + noise["z"]
     assert np.abs(fast.measured["z"] - seen).max() <= 0.5e-6 + 1e-15
+    wrapping = replace(scenario, encoders={"z": replace(encoder, span=4e-6, low=-1e-6)})
+    (fast,) = lanes.compile_loop(stage.plant, rig.controller).simulate([stage.plant], [wrapping])
+    assert fast is not None and -1.001e-6 < fast.measured["z"].min() < fast.measured["z"].max() < 3.001e-6
+    turns = (wrapping.encoders["z"].read(fast.outputs["z"] + noise["z"] / 1.01) - fast.measured["z"]) / 4e-6
+    np.testing.assert_allclose(turns, np.rint(turns), rtol=0, atol=1e-6)  # halves of counts may round otherwise
 
 
 def test_a_lane_that_leaves_the_range_of_the_polynomials_has_no_result(single: Rig) -> None:
