@@ -134,9 +134,16 @@ class Block:
         return show.Sheet(title, (self.tag,) if self.tag else (), (show.signals(groups),))
 
     def rounded(self, scalar: type[np.floating]) -> "Block":
-        """Return the Block with each constant rounded to `scalar`, the values that the C has."""
+        """Return the Block with each constant rounded to `scalar`, the values that the C has.
+
+        Raises SignalError for a constant that becomes 0 or infinite.
+        """
         with np.errstate(over="ignore"):  # an overflow is infinite, which a Constant refuses
-            return replace(self, constants=tuple(replace(c, value=float(scalar(c.value))) for c in self.constants))
+            constants = tuple(replace(c, value=float(scalar(c.value))) for c in self.constants)
+        for c, rounded in zip(self.constants, constants, strict=True):
+            if c.value and not rounded.value:
+                raise SignalError(f"constant '{c.name}' is {c.value:g}, which is 0 in {np.dtype(scalar)}: scale it")
+        return replace(self, constants=constants)
 
     def renamed(self, names: Mapping[str, str]) -> "Block":
         """Return the Block with inputs and outputs renamed, old name to new; other names stay."""

@@ -27,6 +27,7 @@ from synth.check import Check
 from synth.declare.stage import Stage
 from synth.emit import write
 from synth.emit.c import manifest
+from synth.emit.proof import word_length
 from synth.report import first_screen
 from synth.report.audit import Row
 from synth.simulate.experiments import Experiment
@@ -320,7 +321,10 @@ def audit(names: Names, as_json: bool, fresh: bool) -> int:
 
 
 def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
-    """Write a design's C, header, manifest, gains and vectors to a folder, in a scalar type, and print their paths."""
+    """Write a design's C, header, manifest, gains and vectors to a folder, in a scalar type.
+
+    Print their paths, and what the scalar type does to the linear parts of the law.
+    """
     (stage,) = workspace.designs(Path.cwd(), [name])
     say = partial(writer(False), name)
     with store.fresh_run() if fresh else nullcontext():
@@ -328,6 +332,8 @@ def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
     for folder, files in emitted.items():
         write.save(files.files, out / folder)
         say(f"{', '.join(files.files)} in {out / folder}")
+        for line in word_length.summary(files.parts, SCALARS[scalar]):
+            say(line)
     return 0
 
 

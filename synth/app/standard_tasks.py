@@ -71,6 +71,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
         header_notes=notes,
         warning=stage.warning,
         latency=_latency(stage),
+        gain_error=stage.gain_error,
     )
     controller = host.load(files.files, files.manifest)
     record_inputs = standard.stimuli_of(stage).vectors or record
@@ -100,7 +101,8 @@ def _emit_companion(
     order, error = _call_order(stage) if drives else [], stage.surrogate_error.get(scalar)
     notes = [*order, *(companion.header_notes or stage.header_notes)]
     latency = _latency(stage) if drives else 0
-    files = write.emit(companion.block, scalar, document, error=error, header_notes=notes, latency=latency)
+    block, allowed = companion.block, stage.gain_error
+    files = write.emit(block, scalar, document, error=error, header_notes=notes, latency=latency, gain_error=allowed)
     companion_inputs = companion.select_inputs(inputs, replay.outputs)
     companion_replay = host.load(files.files, files.manifest).replay(companion_inputs)
     return _with_vectors(files, companion_inputs, companion_replay)
@@ -209,4 +211,5 @@ def law_alone(stage: Stage) -> EmittedCode | None:
     """Return the C of the law without its fault handling, in single precision, where the stage names it."""
     if stage.law_alone is None:
         return None
-    return write.emit(stage.law_alone.block, np.float32, error=stage.surrogate_error.get(np.float32))
+    error = stage.surrogate_error.get(np.float32)
+    return write.emit(stage.law_alone.block, np.float32, error=error, gain_error=stage.gain_error)

@@ -239,7 +239,8 @@ class Stage:
     loops             loops at places (`analyse.loops.robustness.LoopsAt`) of a controller that no sample leaves at rest
     tolerances        plant parameters; the margins are required at all limits of their tolerances, too
     experiments       of `declare.experiments`; `runs` returns further ones, with `name` and `run(rig) -> Experiment`
-    scalar            the scalar type of the C; `surrogate_error` is relative, by type, else the emitter's
+    scalar            the scalar type of the C; `surrogate_error` is relative, by type, else the emitter's, and
+                      `gain_error` the largest relative change of a DC gain of the law by the type
     start             initial plant states of a run, where these are not 0
     stops             (low, high) of positions, which are inelastic; `velocities` are the rates that f does not show
     limited           controller states that may reach their bounds, such as an integral limited on purpose
@@ -274,6 +275,7 @@ class Stage:
     about: str = ""
     scalar: type[np.floating] = np.float32
     surrogate_error: Mapping[type[np.floating], float] = field(default_factory=dict)
+    gain_error: float = 0.01
     stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     velocities: Mapping[str, str] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)

@@ -125,7 +125,7 @@ def _run_passes(
     program = guards.without_idle(program, bounds, scalar)
     program = fold.with_constant_products(program)
     program = guards.without_certified_limits(program, polynomials, scalar)
-    block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
+    block = replace(block, constants=(*block.constants, *_products(block, program))).rounded(scalar)
     proved = ranges.analyse(program, ranges.bounds(block, scalar), scalar)
     narrowed = safe.require_safe(program, proved, block, scalar)
     ranges.require_inductive(program, proved, block, scalar)
@@ -197,14 +197,14 @@ def source(reduced: Reduced, memory: Layout, statements: Sequence[Statement]) ->
     return c_text.source(reduced.block, reduced.program, reduced.surrogates, memory, body)
 
 
-def _products(block: Block, program: Program, scalar: type[np.floating]) -> list[Constant]:
-    """Return the constants that are products of two of the Block's constants, rounded once."""
+def _products(block: Block, program: Program) -> list[Constant]:
+    """Return the constants that are products of two of the Block's constants."""
     by_name = {c.name: c for c in block.constants}
     pairs = {name: (by_name[first], by_name[second]) for name, (first, second) in program.products.items()}
     return [
         Constant(
             name,
-            float(scalar(a.value * b.value)),
+            a.value * b.value,
             product_unit(a.unit, b.unit),
             f"{a.source}; times {b.name}",
             parameters=tuple(dict.fromkeys((*a.parameters, *b.parameters))),

@@ -13,15 +13,21 @@ from synth.block import Block
 from synth.emit import pipeline
 from synth.emit.c import diagnostics, header, manifest
 from synth.emit.program.lower import Program
+from synth.emit.proof import word_length
+from synth.emit.proof.word_length import LinearPart
 
 
 @dataclass(frozen=True)
 class EmittedCode:
-    """The generated text files, the manifest that describes them, and the printed program, where it is known."""
+    """The generated text files, the manifest that describes them, and what else is known of the program.
+
+    `program` is the printed one, and `parts` say what the scalar type does to its linear dynamics.
+    """
 
     files: Mapping[str, str]
     manifest: Mapping[str, Any]
     program: Program | None = None
+    parts: tuple[LinearPart, ...] = ()
 
 
 def emit(
@@ -33,6 +39,7 @@ def emit(
     header_notes: Sequence[str] = (),
     warning: str = "",
     latency: int = 0,
+    gain_error: float = word_length.GAIN_ERROR,
 ) -> EmittedCode:
     """Return <name>.c, <name>.h, manifest.json and gains.json of a Block in a scalar type.
 
@@ -44,11 +51,13 @@ def emit(
 
     For a Block that latches, the manifest documents its safety.
 
-    Raises EmitError for a scalar type or an operation without a form in C, and for an operation that is not proved safe
-    over the declared ranges.
+    Raises EmitError for a scalar type or an operation without a form in C, for an operation that is not proved safe
+    over the declared ranges, and for a DC gain that rounding to the scalar type changes by more than `gain_error`.
     """
     rounded = block.rounded(scalar)
     made = pipeline.c_source(rounded, scalar, libm, error)
+    parts = word_length.linear_parts(made.reduced, block, scalar)
+    word_length.require_gains(parts, gain_error, scalar)
     notes = [*header_notes, *header.by_parameter(made.of_plant)]
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in made.lines),
@@ -59,7 +68,7 @@ def emit(
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document, warning)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))
-    return EmittedCode(texts, json.loads(texts["manifest.json"]), made.reduced)
+    return EmittedCode(texts, json.loads(texts["manifest.json"]), made.reduced, parts)
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:

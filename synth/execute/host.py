@@ -287,9 +287,11 @@ def compile_block(
 ) -> Controller:
     """Return the emitted C of a Block in a scalar type, compiled and loaded; arguments are those of `write.emit`.
 
+    It accepts any DC gain: what the scalar type does to it shows.
+
     Raises EmitError as `write.emit`, and CompileError as `load`.
     """
-    emitted = write.emit(block, scalar, libm=libm, error=error)
+    emitted = write.emit(block, scalar, libm=libm, error=error, gain_error=np.inf)
     loaded = load(emitted.files, emitted.manifest)
     return replace(loaded, source=Source(block, libm, error))
 

@@ -71,12 +71,13 @@ def admission(name: str, low: str, high: str) -> str:
 def literal(value: float, scalar: type[np.floating]) -> Text:
     """Return the shortest literal that reads back as `value` in the scalar type.
 
-    Raises EmitError for a value that is not finite in that type.
+    Raises EmitError for a value that becomes infinite or 0 in that type.
     """
     with np.errstate(over="ignore"):
         rounded = scalar(value)
-    if not np.isfinite(rounded):
-        raise EmitError(f"the number {value:g} is not finite in {CTYPES[scalar]}: scale the expression")
+    if not np.isfinite(rounded) or (value and not rounded):
+        becomes = "0" if np.isfinite(rounded) else "not finite"
+        raise EmitError(f"the number {value:g} is {becomes} in {CTYPES[scalar]}: scale the expression")
     text = str(rounded).lower()
     text = text if "." in text or "e" in text else text + ".0"
     text += "f" if scalar is np.float32 else ""

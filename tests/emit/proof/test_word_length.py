@@ -1,0 +1,217 @@
+"""What float32 does to linear dynamics, as predicted, beside NumPy's recursions and an hour of the C."""
+
+from collections.abc import Callable
+from math import cos, pi, sin
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy import signal
+
+from synth.block import Block, Constant, State, Step, build
+from synth.blocks.laws import linear_block
+from synth.composition import compose
+from synth.emit.proof.word_length import LinearPart, summary
+from synth.emit.write import emit
+from synth.errors import EmitError, SignalError
+from synth.execute import host
+from synth.signals import Signal
+from synth.statespace import StateSpace
+from synth.timing import Discrete
+
+F32 = np.float32
+U = Signal("u", "m", -1, 1)
+Model = tuple[Any, Any, Any, Any]
+
+
+def make(law: Callable[..., Step], states: dict[str, float], constants: dict[str, float], rate: float = 1e3) -> Block:
+    """Return a Block from u to y with constants, and states of given bounds."""
+    return build(
+        "made",
+        Discrete(1 / rate),
+        law,
+        inputs=[U],
+        outputs=[Signal("y", "m", -1e9, 1e9)],
+        states=[State(Signal(n, "m", -b, b), 0.0) for n, b in states.items()],
+        constants=[Constant(n, v, "1", "test") for n, v in constants.items()],
+    )
+
+
+def parts(block: Block, scalar: type[np.floating] = F32) -> tuple[LinearPart, ...]:
+    return emit(block, scalar, gain_error=np.inf).parts
+
+
+def of(model: Model, rate: float, bound: float) -> Block:
+    """Return the Block of a discrete model (A, B, C, D) with one input and one output."""
+    names = tuple(f"x{k}" for k in range(len(model[0])))
+    system = StateSpace(*model, names, ("u",), ("y",), Discrete(1 / rate))
+    states = [Signal(n, "m", -bound, bound) for n in names]
+    return linear_block.block("made", system, inputs=[U], outputs=[Signal("y", "m", -99, 99)], states=states, tag="t")
+
+
+def direct(hertz: float, rate: float) -> Model:
+    """Return a Butterworth low-pass of order 2 in direct form, whose states have a DC gain of 1."""
+    A, B, C, D = signal.tf2ss(*signal.butter(2, hertz, fs=rate))
+    scale = np.linalg.solve(np.eye(2) - A, B)[0, 0]
+    return A, B / scale, C * scale, D
+
+
+def rotated(hertz: float, rate: float) -> Model:
+    """Return the same filter with a rotation of its states, [[a, b], [-b, a]] for the poles a +- ib."""
+    A, B, C, D = direct(hertz, rate)
+    v = np.linalg.eig(A)[1][:, 0]
+    T = np.column_stack([v.real, v.imag])
+    return np.linalg.solve(T, A @ T), np.linalg.solve(T, B), C @ T, D
+
+
+def resting_output(model: Model, u: float, steps: int, scalar: type[np.floating]) -> float:
+    """Return y after many steps of a recursion in a scalar type with the coefficients of float32."""
+    A, B, C, D = (np.asarray(m, F32).astype(scalar) for m in model)
+    x, w = np.zeros((len(A), 1), scalar), scalar(u)
+    for _ in range(steps):
+        x = A @ x + B * w
+    return float((C @ x + D * w)[0, 0])
+
+
+@pytest.mark.parametrize("form", [direct, rotated])
+@pytest.mark.parametrize(("hertz", "rate"), [(1, 1e4), (3, 1e4), (5, 1e3), (20, 1e3), (100, 1e3)])
+def test_the_dc_gain_is_that_of_a_recursion_with_rounded_coefficients(form: Any, hertz: float, rate: float) -> None:
+    model, steps = form(hertz, rate), int(4 * rate / hertz)
+    (part,) = parts(of(model, rate, 9.0))
+    assert part.gain is not None and (part.gain.input, part.gain.output) == ("u", "y")
+    assert part.gain.exact == pytest.approx(1, abs=1e-6)
+    assert resting_output(model, 1.0, steps, np.float64) == pytest.approx(part.gain.rounded, abs=1e-6)
+
+
+def test_a_slow_low_pass_loses_its_dc_gain_in_direct_form_alone() -> None:
+    gains = [g for form in (direct, rotated) if (g := parts(of(form(1, 1e4), 1e4, 9.0))[0].gain)]
+    assert gains[0].rounded == pytest.approx(0.946, abs=5e-4) and gains[1].rounded == pytest.approx(1, abs=3e-4)
+    with pytest.raises(
+        EmitError, match=r"DC gain from 'u' to 'y' is 1, but .* float32 0\.94.*: write the states x0, x1"
+    ):
+        emit(of(direct(1, 1e4), 1e4, 9.0), F32)
+    emit(of(rotated(1, 1e4), 1e4, 9.0), F32)
+    emit(of(direct(1, 1e4), 1e4, 9.0), np.float64)
+    emit(of(direct(1, 1e4), 1e4, 9.0), F32, gain_error=0.1)
+
+
+@pytest.mark.parametrize(("form", "hertz", "rate"), [(direct, 20, 1e3), (rotated, 1, 1e4), (rotated, 20, 1e3)])
+def test_states_rest_within_their_dead_band(form: Any, hertz: float, rate: float) -> None:
+    model = form(hertz, rate)
+    (part,) = parts(of(model, rate, 1.0))
+    steps = int(4 * rate / hertz)
+    gain = resting_output(model, 1.0, steps, np.float64)
+    ends = [resting_output(model, u, steps, F32) - u * gain for u in (0.3, 0.7, -0.9)]
+    assert 0 < np.abs(ends).max() < part.lost * np.abs(model[2]).sum()
+
+
+def rotation(hertz: float, rate: float = 1e3) -> Block:
+    c, s = cos(2 * pi * hertz / rate), sin(2 * pi * hertz / rate)
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        p, q = k["c"] * x["p"] - k["s"] * x["q"], k["s"] * x["p"] + k["c"] * x["q"]
+        return Step({"y": p}, {"p": ca.if_else(u["u"] > 0, 0.5, p), "q": ca.if_else(u["u"] > 0, 0, q)})
+
+    return make(law, {"p": 1.0, "q": 1.0}, {"c": c, "s": s}, rate)
+
+
+def test_an_oscillation_keeps_in_an_hour_of_the_c_what_is_predicted() -> None:
+    (part,) = parts(rotation(7.0))
+    assert part.amplitude == pytest.approx(0.931, abs=5e-4)
+    u = np.zeros(3_600_001)
+    u[0] = 1.0  # sets the state
+    y = host.compile_block(rotation(7.0)).replay({"u": u}).outputs["y"]
+    assert np.abs(y[-1000:]).max() / 0.5 == pytest.approx(part.amplitude, abs=1e-3)
+
+
+@pytest.mark.parametrize("hertz", [0.5, 1.3, 11.0, 50.0, 123.0])
+def test_an_oscillation_keeps_what_a_power_of_its_matrix_does(hertz: float) -> None:
+    (part,) = parts(rotation(hertz))
+    c, s = (float(F32(f(2 * pi * hertz / 1e3))) for f in (cos, sin))
+    power = np.linalg.matrix_power(np.array([[c, -s], [s, c]]), 3_600_000)
+    assert part.amplitude == pytest.approx(np.linalg.norm(power, 2), rel=1e-9)
+    assert part.pole.imag == pytest.approx(abs(sin(2 * pi * hertz / 1e3)))
+
+
+def integrator(k: float, bound: float = 10.0) -> Block:
+    return make(lambda u, x, c: Step({"y": x["s"]}, {"s": x["s"] + c["k"] * u["u"]}), {"s": bound}, {"k": k})
+
+
+@pytest.mark.parametrize(("k", "bound"), [(1.001, 10.0), (0.3, 10.0), (0.007, 2.0), (33.3, 100.0), (5e-4, 0.3)])
+def test_an_integrator_does_not_integrate_what_is_below_half_a_unit(k: float, bound: float) -> None:
+    (part,) = parts(integrator(k, bound))
+    assert part.gain is None and part.input is not None and part.input.name == "u" and part.at.name == "s"
+    x = np.nextafter(F32(bound), F32(0))
+    assert x + F32(k) * F32(0.99 * part.lost) == x and x - F32(k) * F32(1.01 * part.lost) != x
+
+
+def test_the_dead_band_of_an_integrator_is_said_with_its_input() -> None:
+    text = summary(parts(integrator(1.0 + 1e-9)), F32)
+    assert text[-1] == "s: no u below 4.8e-07 m is integrated at the bound of s"
+
+
+def low_pass(a: float) -> Block:
+    return make(lambda u, x, k: Step({"y": x["s"]}, {"s": k["a"] * x["s"] + k["b"] * u["u"]}), {"s": 9.0},
+                {"a": a, "b": 1 - a})  # fmt: skip
+
+
+def test_a_filter_that_becomes_an_integrator_is_refused() -> None:
+    emit(low_pass(0.999), F32)
+    with pytest.raises(EmitError, match=r"to 's' is 1, but with the coefficients of float32 inf"):
+        emit(low_pass(1 - 1e-8), F32)
+    emit(low_pass(1 - 1e-8), np.float64)
+
+
+SAME: list[tuple[Callable[..., Any], int]] = [
+    (lambda u, x, k: k["a"] * x["s"] + u["u"], 1),
+    (lambda u, x, k: x["s"] + (k["a"] - 1) * x["s"] + u["u"], 1),
+    (lambda u, x, k: u["u"] - (-k["a"]) * x["s"], 1),
+    (lambda u, x, k: ca.if_else(u["u"] > 0.5, x["s"], k["a"] * x["s"] + u["u"]), 1),
+    (lambda u, x, k: ca.fmin(k["a"] * x["s"] + u["u"], 3), 1),
+    (lambda u, x, k: k["a"] * ca.if_else(u["u"] > 0.5, x["s"] + 2 * u["u"], x["s"]) + u["u"], 1),
+    (lambda u, x, k: x["s"] / (1 / k["a"]) + ca.sin(x["s"]), 1),
+    (lambda u, x, k: ca.sin(k["a"] * x["s"]) + u["u"], 0),
+    (lambda u, x, k: x["s"] * u["u"], 0),
+    (lambda u, x, k: u["u"], 0),
+]
+
+
+@pytest.mark.parametrize(("next", "count"), SAME)
+def test_linear_dynamics_are_known_in_every_form(next: Callable[..., Any], count: int) -> None:
+    made = parts(make(lambda u, x, k: Step({"y": x["s"]}, {"s": next(u, x, k)}), {"s": 5.0}, {"a": 0.75}))
+    assert [part.pole for part in made] == pytest.approx([0.75] * count)
+
+
+def test_a_gain_that_is_zero_by_design_is_left_alone() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        s = k["a"] * x["s"] + k["b"] * u["u"]
+        return Step({"y": u["u"] - s}, {"s": s})
+
+    (part,) = emit(make(law, {"s": 5.0}, {"a": 0.99, "b": 1 - 0.99}), F32).parts
+    assert part.gain is None and part.pole == 0.99
+
+
+def test_parts_of_a_composition_are_its_blocks() -> None:
+    y = Signal("y", "m", -99, 99)
+    second = build("second", Discrete(1e-3), lambda u, x, k: Step({"z": x["s"]}, {"s": 0.5 * x["s"] + u["y"]}),
+                   inputs=[y], outputs=[Signal("z", "m", -999, 999)],
+                   states=[State(Signal("s", "m", -200, 200), 0)])  # fmt: skip
+    both = compose("both", [low_pass(0.9).renamed({}), second], inputs=["u"], outputs=["z"])
+    assert {p.states: round(p.pole.real, 6) for p in emit(both, F32).parts} == {("made_s",): 0.9, ("second_s",): 0.5}
+
+
+@pytest.mark.parametrize("value", [1e-46, -3e-47, 1e-60])
+def test_a_constant_that_becomes_zero_is_refused_by_name(value: float) -> None:
+    with pytest.raises(SignalError, match=r"constant 'k' is .*, which is 0 in float32: scale it"):
+        emit(integrator(value), F32)
+    with pytest.raises(EmitError, match=r"the number .* is 0 in float: scale the expression"):
+        emit(make(lambda u, x, k: Step({"y": value * u["u"]}), {}, {}), F32)
+    emit(integrator(value), np.float64)
+
+
+def test_a_product_of_constants_that_becomes_zero_is_refused_by_name() -> None:
+    law = lambda u, x, k: Step({"y": k["a"] * (k["b"] * u["u"])})  # noqa: E731
+    with pytest.raises(SignalError, match="constant 'a_times_b' is 1e-60"):
+        emit(make(law, {}, {"a": 1e-30, "b": 1e-30}), F32)
+    emit(make(law, {}, {"a": 1e-10, "b": 1e-30}), F32)
