@@ -108,7 +108,7 @@ def guarded() -> stage.Controller:
 
     suspect = build("suspicion", Discrete(T), suspicion, inputs=flags[:1], outputs=flags[1:])
     gains = [Constant("P", 2.0, "N m/rad", "tuned"), Constant("D", 0.3, "N m s/rad", "tuned")]
-    demand = interface.demand("M", 2.0 * 70 + 0.3 * 80)
+    demand = interface.demand("M")
     pd = build("pd", Discrete(T), law, inputs=[phi, reference, w], outputs=[demand], constants=gains)
     return stage.controller("rotor", Discrete(T), interface, [unwrapped, suspect, pd], outputs=["M", "phi", "phi_lost"])
 
