@@ -11,7 +11,7 @@ Linearisation about an operating point (MATLAB `linearize`): dx/dt = A x + B u, 
 
     A = df/dx, B = df/du, C = dh/dx, D = dh/du
 
-at (x0, u0, p0), by exact differentiation of the plant's expressions.
+at (x0, u0, p0), by exact differentiation of the plant's expressions, with one-sided derivatives for a kink.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -23,7 +23,7 @@ import casadi as ca
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse.numerics import nearest_root
+from synth.analyse.numerics import derivatives, nearest_root
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
@@ -233,14 +233,17 @@ def _no_trim(plant: Plant, problem: _Problem, z: Array, free: tuple[str, ...], f
 def linearise(plant: Plant, point: OperatingPoint) -> StateSpace:
     """Return the Jacobians A (n, n), B (n, m), C (p, n), D (p, m) at `point`, in the units of the signals.
 
-    Raises SignalError when `point` belongs to another plant, or a derivative is not finite there.
+    Raises SignalError when `point` belongs to another plant, or a derivative is not finite there; ModelError at a kink,
+    such as a stop or a limit, where there is no derivative.
     """
     require_point(plant, point)
     x, u, p = (ca.SX.sym(s, len(v)) for s, v in (("x", point.x), ("u", point.u), ("p", point.p)))
-    f, h = plant.f(x, u, p), plant.h(x, u, p)
-    jacobians = [ca.jacobian(expr, arg) for expr in (f, h) for arg in (x, u)]
-    at_point = ca.Function("jacobians", [x, u, p], jacobians)(point.x, point.u, point.p)
-    A, B, C, D = (np.asarray(ca.DM(matrix)) for matrix in at_point)
+    model = ca.Function("model", [x, u, p], [plant.f(x, u, p), plant.h(x, u, p)])
+    signals = (*plant.states, *plant.inputs)
+    rows = [*(f"d({s.name})/dt" for s in plant.states), *(f"the output '{s.name}'" for s in plant.outputs)]
+    A, B, C, D = derivatives.linear_model(
+        f"plant '{plant.name}'", model, (point.x, point.u, point.p), signals, [(True, True)] * len(signals), rows
+    )
     units = {s.name: s.unit for s in (*plant.states, *plant.inputs, *plant.outputs)}
     return StateSpace(A, B, C, D, point.states, point.inputs, signal_names(plant.outputs), Continuous(), units)
 

@@ -29,8 +29,9 @@ ANSWERED = {  # by the arguments that take a kind of value that few take
 READ = ("ndarray", "NDArray", "arb_mat", "casadi.SX", "Jacobian", "Solution", "Partition", "Curve", "Equation")
 INNER = {  # modules whose functions take what others have read
     *("digits", "precise", "staircase", "structured_peak", "structured_singular_value", "equation", "exact_riccati"),
-    *("solvability", "exact_lyapunov", "trajectory", "weights", "statespace", "crossings", "grid_crossings"),
-    *("zpk", "nearest_root", "resolvent", "period_cost", "isolated_zeros", "glsdc", "error_map", "phasor"),
+    *("derivatives", "solvability", "exact_lyapunov", "trajectory", "weights", "statespace", "crossings"),
+    *("grid_crossings", "zpk", "nearest_root", "resolvent", "period_cost", "isolated_zeros", "glsdc", "error_map"),
+    "phasor",
     *("axis_regulator", "glsdc_model", "glsdc_jacobian", "glsdc_solution", "glsdc_integrity", "glsdc_monitor"),
 }
 INNER_FUNCTIONS = {  # likewise, of other modules

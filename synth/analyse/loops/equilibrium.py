@@ -251,8 +251,8 @@ class Equilibrium:
 
     @cached_property
     def controller(self) -> StateSpace:
-        """The controller's Jacobians at the equilibrium."""
-        return loop.linearise_block(self.closed.controller, self.state, self.inputs)
+        """The controller's Jacobians at the equilibrium, at constant references."""
+        return loop.linearise_block(self.closed.controller, self.state, self.inputs, self.closed.references)
 
     @cached_property
     def plant(self) -> StateSpace:

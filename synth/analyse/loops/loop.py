@@ -22,13 +22,12 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
 
-import casadi as ca
 import flint
 import numpy as np
 
 from synth import arguments
 from synth.analyse import discretise
-from synth.analyse.numerics import precise
+from synth.analyse.numerics import derivatives, precise
 from synth.analyse.structure import realisation
 from synth.block import Block
 from synth.errors import ModelError, SignalError, TimingError
@@ -54,25 +53,34 @@ def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
 
 
 @arguments.checked
-def linearise_block(block: Block, state: Mapping[str, float], inputs: Mapping[str, float]) -> StateSpace:
+def linearise_block(
+    block: Block, state: Mapping[str, float], inputs: Mapping[str, float], held: Collection[str] = ()
+) -> StateSpace:
     """Return the Block's Jacobians at a state and inputs, by name; a state without a value is at its initial value.
 
-    Raises SignalError for a missing value or an unknown name.
+    The model lacks the inputs that are `held` at their values. A state at one of its bounds moves inwards only.
+
+    Raises SignalError for a missing value or an unknown name; ModelError at a kink of a real state or an output.
     """
     known = (*(s.name for s in block.states), *signal_names(block.inputs))
-    unknown = [n for n in (*state, *inputs) if n not in known]
+    unknown = [n for n in (*state, *inputs, *held) if n not in known]
     missing = [n for n in signal_names(block.inputs) if n not in inputs]
     if unknown or missing:
         raise SignalError(f"block '{block.name}': not known {unknown or 'none'}, missing {missing or 'none'}")
-    f = block.function()
-    x, u = f.sx_in()
-    next, y = f.call([x, u])
-    jacobians = [ca.densify(ca.jacobian(e, a)) for e in (next, y) for a in (x, u)]
-    x0 = [state.get(s.name, s.initial) for s in block.states]
-    u0 = [inputs[n] for n in signal_names(block.inputs)]
-    A, B, C, D = (np.asarray(ca.DM(m)) for m in ca.Function("jacobians", [x, u], jacobians)(x0, u0))
-    states = tuple(s.name for s in block.states)
-    return StateSpace(A, B, C, D, states, signal_names(block.inputs), signal_names(block.outputs), block.time)
+    x0 = np.array([state.get(s.name, s.initial) for s in block.states], dtype=np.float64)
+    u0 = np.array([inputs[n] for n in signal_names(block.inputs)], dtype=np.float64)
+    sides = [
+        (not s.integer and v > s.signal.low, not s.integer and v < s.signal.high)
+        for s, v in zip(block.states, x0.tolist(), strict=True)
+    ]
+    sides += [(s.name not in held, s.name not in held) for s in block.inputs]
+    rows = [f"the next value of '{s.name}'" * (not s.integer) for s in block.states]
+    rows += [f"the output '{s.name}'" for s in block.outputs]
+    signals = (*(s.signal for s in block.states), *block.inputs)
+    A, B, C, D = derivatives.linear_model(f"block '{block.name}'", block.function(), (x0, u0), signals, sides, rows)
+    moving = [i for i, s in enumerate(block.inputs) if s.name not in held]
+    states, names = tuple(s.name for s in block.states), tuple(block.inputs[i].name for i in moving)
+    return StateSpace(A, B[:, moving], C, D[:, moving], states, names, signal_names(block.outputs), block.time)
 
 
 @arguments.checked
