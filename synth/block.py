@@ -170,14 +170,24 @@ class Block:
         """The states after `init`, in order."""
         return np.array([s.initial for s in self.states], dtype=np.float64)
 
-    def function(self) -> ca.Function:
-        """Return the step as a CasADi function (x, u) -> (x', y), columns in the order of the signals."""
+    def function(self, gains: Sequence[str] = ()) -> ca.Function:
+        """Return the step as a CasADi function (x, u) -> (x', y), columns in the order of the signals.
+
+        With names of constants in `gains` it is (x, u, k) -> (x', y): k are their values, to differentiate by.
+
+        Raises SignalError for a name that is not a constant of the Block.
+        """
+        if unknown := [n for n in gains if n not in [c.name for c in self.constants]]:
+            known = ", ".join(c.name for c in self.constants) or "none"
+            raise SignalError(f"block '{self.name}' has no constant '{unknown[0]}': name some of {known}")
         x, u = self._columns(s.name for s in self.states), self._columns(s.name for s in self.inputs)
         next = ca.vcat([self.next[s.name] for s in self.states])
         y = ca.vcat([self.output[s.name] for s in self.outputs])
-        symbols, values = [self.symbol[c.name] for c in self.constants], [ca.SX(c.value) for c in self.constants]
+        fixed = [c for c in self.constants if c.name not in gains]
+        symbols, values = [self.symbol[c.name] for c in fixed], [ca.SX(c.value) for c in fixed]
         next, y = ca.substitute([next, y], symbols, values) if symbols else (next, y)
-        return ca.Function(self.name, [x, u], [next, y], ["x", "u"], ["x_next", "y"])
+        k = {"k": self._columns(gains)} if gains else {}
+        return ca.Function(self.name, [x, u, *k.values()], [next, y], ["x", "u", *k], ["x_next", "y"])
 
     def _columns(self, names: Iterable[str]) -> ca.SX:
         return ca.vcat([self.symbol[name] for name in names])

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.block import Block, Constant, Fault, State, Step, build
+from synth.block import Block, Constant, Exprs, Fault, State, Step, build
 from synth.composition import compose
 from synth.errors import SignalError, TimingError, WiringError
 from synth.signals import Signal
@@ -314,3 +314,34 @@ def test_a_renamed_block_steps_as_before_under_its_new_names() -> None:
     )
     for before, after in zip(block.function()(2.0, 3.0), renamed.function()(2.0, 3.0), strict=True):
         assert float(before) == float(after)
+
+
+def test_the_step_as_a_function_of_gains_has_their_derivatives() -> None:
+    """With y = a x + b u and x' = x + a b u the derivatives by (b, a) are those of the formulas."""
+    a, b = (Constant(n, v, "1", "test") for n, v in (("a", 3.0), ("b", 0.5)))
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({"y": k["a"] * x["s"] + k["b"] * u["e"]}, {"s": x["s"] + k["a"] * k["b"] * u["e"]})
+
+    made = build(
+        "law", Discrete(1.0), law, inputs=[Signal("e", "1", -9, 9)], outputs=[Signal("y", "1", -99, 99)],
+        states=[State(Signal("s", "1", -99, 99), 0.0)], constants=[a, b],
+    )  # fmt: skip
+    f = made.function(["b", "a"])
+    assert f.name_in() == ["x", "u", "k"] and f.size1_in("k") == 2
+    for mine, fixed in zip(f(2.0, 4.0, [0.5, 3.0]), made.function()(2.0, 4.0), strict=True):
+        assert float(mine) == float(fixed)
+    k = ca.SX.sym("k", 2)
+    slopes = ca.Function("slopes", [k], [ca.jacobian(ca.vcat(f(2.0, 4.0, k)), k)])([0.5, 3.0])
+    assert np.array(slopes).tolist() == [[3.0 * 4.0, 0.5 * 4.0], [4.0, 2.0]]
+    only_a = made.function(["a"])
+    assert float(only_a(2.0, 4.0, 1.0)[1]) == 2.0 + 0.5 * 4.0, "the other constant keeps its value"
+
+
+def test_a_gain_that_a_block_has_not_is_refused() -> None:
+    made = build(
+        "none", Discrete(1.0), lambda u, x, k: Step({"y": u["e"]}),
+        inputs=[Signal("e", "1", -1, 1)], outputs=[Signal("y", "1", -1, 1)],
+    )  # fmt: skip
+    with pytest.raises(SignalError, match="block 'none' has no constant 'K': name some of none"):
+        made.function(["K"])

@@ -300,12 +300,15 @@ def emit(
     name: Name,
     out: Annotated[Path, typer.Option(help="folder to write to")],
     scalar: Annotated[Scalar, typer.Option(help="scalar type of the C")] = Scalar.FLOAT32,
+    by_casadi: Annotated[
+        bool, typer.Option("--casadi", help="the .c by CasADi's own code generator, behind the same header")
+    ] = False,
     fresh: Fresh = False,
 ) -> None:
     """Write a design's C, header, manifest, gains and vectors elsewhere, or in the other scalar type."""
     from synth.app import commands
 
-    raise typer.Exit(commands.emit(name, out, scalar, fresh))
+    raise typer.Exit(commands.emit(name, out, scalar, fresh, by_casadi))
 
 
 @app.command(epilog="Example: synth export my_stage --target linux --out loop && make -C loop rehearsal")

@@ -320,16 +320,17 @@ def audit(names: Names, as_json: bool, fresh: bool) -> int:
     return finish(as_json, [*(row.document() for row in rows), *_checks(failed)], results, bool(failed))
 
 
-def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
+def emit(name: str, out: Path, scalar: str, fresh: bool, by_casadi: bool = False) -> int:
     """Write a design's C, header, manifest, gains and vectors to a folder, in a scalar type.
 
-    Print their paths, and what the scalar type does to the linear parts of the law.
+    Print their paths, and what the scalar type does to the linear parts of the law. With `by_casadi` the .c is that of
+    CasADi's own code generator.
     """
     (stage,) = workspace.designs(Path.cwd(), [name])
     say = partial(writer(False), name)
     with store.fresh_run() if fresh else nullcontext():
         emitted = tasks.emission(stage, SCALARS[scalar]).result(say)
-    for folder, files in emitted.items():
+    for folder, files in (standard_tasks.with_casadi_c(stage, emitted) if by_casadi else emitted).items():
         write.save(files.files, out / folder)
         say(f"{', '.join(files.files)} in {out / folder}")
         for line in word_length.summary(files.parts, SCALARS[scalar]):

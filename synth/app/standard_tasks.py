@@ -83,6 +83,13 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     return folders
 
 
+def with_casadi_c(stage: Stage, folders: Mapping[str, EmittedCode]) -> dict[str, EmittedCode]:
+    """Return emitted files by folder with CasADi's own C of each Block in place of the emitted .c."""
+    blocks = {stage.name: stage.controller.block} | {c.name: c.block for c in stage.companions}
+    errors = {np.dtype(t).name: error for t, error in stage.surrogate_error.items()}
+    return {n: write.with_casadi_c(e, blocks[n], errors.get(e.manifest["scalar"])) for n, e in folders.items()}
+
+
 def header_notes(stage: Stage) -> list[str]:
     """Return the sentences of the header of the stage's controller."""
     return [*_call_order(stage), *_start(stage), *_signs(stage), *stage.header_notes]

@@ -1,8 +1,9 @@
 """Code generation as a whole (Embedded Coder): Block in, `{file name: text}` out; only `save` writes to disk."""
 
+import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from synth.base import store
 from synth.block import Block
 from synth.emit import pipeline
-from synth.emit.c import diagnostics, header, manifest
+from synth.emit.c import c_text, diagnostics, header, manifest
 from synth.emit.program.lower import Program
 from synth.emit.proof import word_length
 from synth.emit.proof.word_length import LinearPart
@@ -69,6 +70,21 @@ def emit(
     texts["manifest.json"] = manifest.dumps(document, warning)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))
     return EmittedCode(texts, json.loads(texts["manifest.json"]), made.reduced, parts)
+
+
+def with_casadi_c(emitted: EmittedCode, block: Block, error: float | None = None) -> EmittedCode:
+    """Return the emitted files of a Block with the step by CasADi's own code generator in <name>.c, header unchanged.
+
+    `error` is that of `emit`. The manifest has neither surrogates nor a trace; test vectors remain those of the emitted
+    C.
+    """
+    scalar: type[np.floating] = np.float32 if emitted.manifest["scalar"] == "float32" else np.float64
+    rounded, name = block.rounded(scalar), f"{block.name}.c"
+    text = c_text.casadi_source(rounded, pipeline.c_source(rounded, scalar, False, error).memory)
+    checksums = {**emitted.manifest["sha256"], name: hashlib.sha256(text.encode()).hexdigest()}
+    document = {**emitted.manifest, "surrogates": [], "diagnostics": {}, "trace": {}, "sha256": checksums}
+    files = {**emitted.files, name: text, "manifest.json": manifest.dumps(document)}
+    return replace(emitted, files=files, manifest=document, program=None)
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:

@@ -18,8 +18,9 @@ from synth.app import cli, standard_tasks, workspace
 from synth.base.progress import Progress
 from synth.check import Check
 from synth.declare.stage import Stage
+from synth.emit.c import manifest
 from synth.emit.write import EmittedCode
-from synth.execute import cross
+from synth.execute import cross, host
 from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory
 from synth.verify import replays
@@ -68,6 +69,26 @@ def printed(*arguments: str, status: int = 0) -> list[dict[str, Any]]:
     result = RUNNER.invoke(cli.app, [*arguments, "--json"])
     assert result.exit_code == status, (result.output, result.exception)
     return list(json.loads(result.stdout))
+
+
+@pytest.mark.usefixtures("one_design")
+@pytest.mark.parametrize("scalar", ["float32", "float64"])
+def test_emit_writes_the_c_of_casadi_behind_the_same_header(tmp_path: Path, scalar: str) -> None:
+    for folder, option in (("ours", []), ("theirs", ["--casadi"])):
+        words = ["emit", "levitator_pid", "--out", str(tmp_path / folder), "--scalar", scalar, *option]
+        assert RUNNER.invoke(cli.app, words).exit_code == 0
+    ours, theirs = ({p.name: p.read_text() for p in (tmp_path / f / NAME).iterdir()} for f in ("ours", "theirs"))
+    differing = {name for name in ours | theirs if ours.get(name) != theirs.get(name)}
+    assert differing == {f"{NAME}.c", "manifest.json"}
+    vectors, codes = (
+        manifest.inputs(ours["vectors.json"]),
+        [(c, json.loads(c["manifest.json"])) for c in (ours, theirs)],
+    )
+    first, second = (
+        host.load({n: t for n, t in c.items() if n[-2:] in (".c", ".h")}, m).replay(vectors) for c, m in codes
+    )
+    assert (first.faults == second.faults).all() and first.faults.any()
+    np.testing.assert_allclose(second.outputs["i1"], first.outputs["i1"], atol=1e-4)
 
 
 @pytest.mark.usefixtures("one_design")

@@ -8,7 +8,8 @@ The constants are local to the step, their only reader; one that a single sectio
 CasADi's C code generator (`CodeGenerator`), in double: an oracle for the emitted C, and plant code in simulations.
 
 Each function becomes `int name(const double **arg, double **res, long long *iw, double *w, int mem)`. Arguments and
-results hold the nonzeros of CasADi's sparse matrices, column by column.
+results hold the nonzeros of CasADi's sparse matrices, column by column. `casadi_source` puts the whole step of a Block
+by CasADi behind the header of the emitted C, in its scalar type.
 """
 
 import math
@@ -50,6 +51,49 @@ def functions(functions: Sequence[ca.Function], name: str) -> dict[str, str]:
     for f in functions:
         generator.add(f)
     return {f"{name}.c": generator.dump()}
+
+
+def casadi_source(block: Block, layout: Layout) -> str:
+    """Return another <name>.c for the same header: the step of a Block with rounded constants by CasADi's generator.
+
+    It calls the C library where the emitted C has polynomials, has every limit of the Block, and no diagnostics.
+    """
+    name = block.name
+    x, u = (ca.vcat([block.symbol[s.name] for s in signals]) for signals in (block.states, block.inputs))
+    columns = (
+        [block.next[s.name] for s in block.states],
+        [block.output[s.name] for s in block.outputs],
+        [block.output[f.output] for f in block.faults],
+    )
+    symbols, values = [block.symbol[c.name] for c in block.constants], [ca.SX(c.value) for c in block.constants]
+    results = [ca.densify(ca.vcat(column)) for column in columns]
+    results = ca.substitute(results, symbols, values) if symbols else results
+    f = ca.Function(f"{name}_casadi", [x, u], ca.cse(results))
+    generator = ca.CodeGenerator(f.name(), {"with_header": False, "with_export": False, "casadi_real": layout.ctype})
+    generator.add(f)
+    paths = {m.name: m.path for m in layout.state.fields}
+    sizes = {"x": len(block.states), "u": len(block.inputs), "next": len(block.states), "y": len(block.outputs)}
+    sizes |= {"flags": len(block.faults), "w": f.sz_w()}
+    body = [f"casadi_real {n}[{max(size, 1)}] = {{0}};" for n, size in sizes.items()]
+    body += [f"casadi_int iw[{max(f.sz_iw(), 1)}] = {{0}};"]
+    body += [f"const casadi_real *arg[{max(f.sz_arg(), 2)}] = {{x, u}};"]
+    body += [f"casadi_real *res[{max(f.sz_res(), 3)}] = {{next, y, flags}};", "uint32_t faults = 0u;"]
+    body += [f"x[{i}] = (casadi_real)state->{paths[s.name]};" for i, s in enumerate(block.states)]
+    body += [f"u[{i}] = in->{s.name};" for i, s in enumerate(block.inputs)]
+    body += [f"(void){f.name()}(arg, res, iw, w, 0);"]
+    kinds_of = {s.name: "(uint32_t)" if s.integer else "" for s in block.states}
+    body += [f"state->{paths[s.name]} = {kinds_of[s.name]}next[{i}];" for i, s in enumerate(block.states)]
+    body += [f"out->{s.name} = y[{i}];" for i, s in enumerate(block.outputs)]
+    body += [f"faults |= (flags[{i}] != 0) ? 0x{1 << b.bit:08x}u : 0u;" for i, b in enumerate(block.faults)]
+    rows = [
+        f"/* {name}: the step by CasADi's code generator, for the header of the emitted C. Generated: do not edit. */",
+        *(f'#include "{name}.h"', "#include <float.h>", *_refusals()),
+        f"#if defined({name.upper()}_DIAGNOSTICS)",
+        f'#error "the C of CasADi has no diagnostics: compile it without {name.upper()}_DIAGNOSTICS"',
+        *("#endif", "", generator.dump().strip(), "", *_init(block, layout), ""),
+        *(step_head(name), "{", *(f"    {line}" for line in (*body, "return faults;")), "}", ""),
+    ]
+    return "\n".join(rows)
 
 
 def source(

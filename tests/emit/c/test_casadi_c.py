@@ -1,14 +1,22 @@
-"""CasADi's C, compiled here, must compute what CasADi computes."""
+"""CasADi's C, compiled here, must compute what CasADi computes, and behind the header what the emitted C does."""
 
 import ctypes
+import importlib
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
 import pytest
 
-from synth.emit.c import c_text
-from synth.errors import EmitError
+from synth.block import Block
+from synth.emit import write
+from synth.emit.c import c_text, manifest
+from synth.emit.write import EmittedCode
+from synth.errors import CompileError, EmitError
 from synth.execute import compile as host_compiler
+from synth.execute import host
 
 pytestmark = pytest.mark.slow
 
@@ -60,3 +68,58 @@ def test_the_text_is_the_same_every_time() -> None:
 def test_names_that_are_not_c_identifiers_are_refused(functions: list[ca.Function], name: str, says: str) -> None:
     with pytest.raises(EmitError, match=says):
         c_text.functions(functions, name)
+
+
+# Of an output's range over 1,000 steps: rounding in double; rounding and polynomials in single precision.
+LIMITS = {np.float64: 1e-13, np.float32: 1e-5}
+
+
+@cache
+def both(name: str, scalar: type[np.floating]) -> tuple[Block, EmittedCode, EmittedCode]:
+    """Return the Block of a design, its emitted C and that of CasADi."""
+    stage = importlib.import_module(f"designs.{name}.design").DESIGN
+    block, error = stage.controller.block, stage.surrogate_error.get(scalar)
+    emitted = write.emit(block, scalar, error=error)
+    return block, emitted, write.with_casadi_c(emitted, block, error)
+
+
+def largest_difference(block: Block, first: EmittedCode, second: EmittedCode) -> float:
+    """Return the largest difference of an output over the test vectors, of its range; infinite for other faults."""
+    vectors = manifest.inputs((Path("generated_c") / block.name / "vectors.json").read_text())
+    one, two = (host.load(code.files, code.manifest).replay(vectors) for code in (first, second))
+    if (one.faults != two.faults).any() or not one.faults.any():
+        return np.inf
+    ranges = {s.name: s.high - s.low for s in block.outputs}
+    return max(float(np.max(np.abs(one.outputs[n].astype(float) - two.outputs[n]))) / ranges[n] for n in ranges)
+
+
+@pytest.mark.parametrize("scalar", [np.float64, np.float32])
+@pytest.mark.parametrize("name", ["levitator_2dof", "maglev_5dof", "planar_6dof_leadlag", "hall_position"])
+def test_casadis_c_behind_the_header_repeats_the_test_vectors(name: str, scalar: Any) -> None:
+    block, emitted, by_casadi = both(name, scalar)
+    assert by_casadi.files[f"{name}.h"] == emitted.files[f"{name}.h"]
+    assert largest_difference(block, emitted, by_casadi) <= LIMITS[scalar]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("out->i1 = y[0]", "out->i1 = y[1]"), ("0x00000001u", "0x00000002u"), ("state->servo_z_q1 = next", "next")],
+)
+def test_a_defect_planted_in_it_is_seen(old: str, new: str) -> None:
+    block, emitted, by_casadi = both("levitator_2dof", np.float64)
+    assert by_casadi.files["levitator_2dof.c"].count(old) == 1
+    if new == "next":  # a state that is not stored
+        old = next(row for row in by_casadi.files["levitator_2dof.c"].splitlines() if old in row)
+        new = ""
+    text = by_casadi.files["levitator_2dof.c"].replace(old, new)
+    wrong = EmittedCode({**by_casadi.files, "levitator_2dof.c": text}, by_casadi.manifest)
+    assert largest_difference(block, emitted, wrong) > LIMITS[np.float32]
+
+
+def test_options_that_it_has_not_are_refused_by_the_compiler() -> None:
+    _, _, by_casadi = both("levitator_2dof", np.float64)
+    with pytest.raises(CompileError, match="has no diagnostics"):
+        host_compiler.shared_library(by_casadi.files, ["-DLEVITATOR_2DOF_DIAGNOSTICS"])
+    with pytest.raises(CompileError, match="remove the tests for NaN"):
+        host_compiler.shared_library(by_casadi.files, ["-ffast-math"])
+    assert by_casadi.manifest["surrogates"] == [] and by_casadi.manifest["trace"] == {}
