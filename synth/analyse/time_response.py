@@ -6,6 +6,12 @@
 One matrix exponential of [[A, B], [0, 0]] over the interval gives the exact recursion x+ = F x + G. One input at a time
 is excited; the other inputs and the initial states are 0.
 
+The default duration of a stable model is sound: no response leaves a band around its final value after it. The bound is
+
+    y(0)^2 <= 2 |y| |dy/dt|,        for a sampled model y(0)^2 <= |y(k) - y(k+1)| |y(k) + y(k+1)|
+
+of an output without inputs, with norms of L2 over t >= 0, is the integral of d(y^2)/dt; a real mode attains it.
+
 By default the times of a continuous model are equally spaced if 10,000 intervals resolve its fastest mode for the whole
 duration. Otherwise they have segments: each has the interval for the modes that have not yet decayed.
 
@@ -13,13 +19,14 @@ The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after
 Markov parameters, whose sum is the step response. MATLAB and python-control use a pulse of height 1/T instead (area 1).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
-from synth import arguments, show
+from synth import arguments, resolvent, show
 from synth.analyse import discretise
 from synth.analyse.loops import transfer
 from synth.analyse.numerics import magnitude
@@ -34,6 +41,10 @@ MAX_DEFAULT_SAMPLES = MAX_SAMPLES // 2  # at one interval
 PER_TURN = 20  # points in a period of the fastest oscillating mode
 PER_LIFE = 20  # points in the time constant of the fastest decaying mode
 BAND = 0.02  # of the final value: tolerance of the settling time
+REST = 0.002  # of the final value: no response leaves this band after the default duration
+LONGEST = 100.0  # times the time in which the slowest mode decays: no longer default duration
+PARTS = 100  # of that time, for the largest deviation
+ROUNDING = 1e-12  # of the largest deviation: a smaller final value is 0
 
 
 @dataclass(frozen=True)
@@ -63,14 +74,18 @@ class TimeResponse:
     note: str = ""
 
     def sheet(self) -> show.Sheet:
-        """Return final value, overshoot, rise and settling time of each channel for a step, and each peak."""
+        """Return final value, overshoot, rise and settling time of each channel for a step, and each peak.
+
+        A response that comes close to its largest value, the final one, without reaching it has no time of a peak.
+        """
         labels = [[show.with_unit(*pair) for pair in zip(*part, strict=True)] for part in self._signals()]
         rows = tuple(
             (f"{labels[1][j]} -> {labels[0][i]}", *self._figures(i, j)) for i, j in np.ndindex(*self.outputs.shape[1:])
         )
-        columns = ("channel", "final", "overshoot", "rise [s]", "settled [s]", "peak", "at [s]")
+        columns = ("channel", "final", "overshoot", "undershoot", "rise [s]", "settled [s]", "peak", "at [s]")
         span = f"{len(self.time)} times up to {show.number(self.time[-1])} s"
-        line = f"rise from 10 to 90 %, settled within {BAND:.0%} of the final value" if self.final is not None else span
+        meaning = f"rise from 10 to 90 %, settled within {BAND:.0%} of the final value, undershoot below 0"
+        line = span if self.final is None else meaning
         lines = (line, self.note) if self.note else (line,)
         return show.Sheet(f"Response to a unit {self.signal}, {span}", lines, (show.Table("", columns, rows),))
 
@@ -82,33 +97,39 @@ class TimeResponse:
         top = int(np.abs(y).argmax())
         peak = n(y[top]), n(self.time[top])
         if self.final is None:
-            return ("", "", "", "", *peak)
+            return ("", "", "", "", "", *peak)
         final = float(self.final[i, j])
-        if not final:
-            return (n(final), "", "", "", *peak)
-        times = [_first_crossing(self.time, y / final, level) for level in (0.1, 0.9)]
+        if abs(final) <= ROUNDING * np.abs(y).max():
+            return (n(0.0), "", "", "", "", *peak)
+        y = y / final
+        if np.abs(y).max() < 1 - ROUNDING and y[-1] > 1 - BAND:
+            peak = n(final), "approached"
+        times = [_first_crossing(self.time, y, level) for level in (0.1, 0.9)]
         rise = n(times[1] - times[0]) if np.isfinite(times).all() else ""
-        overshoot = f"{max(0.0, float((y / final).max()) - 1):.2%}"
-        return (n(final), overshoot, rise, _settling_time(self.time, y / final), *peak)
+        over, under = (f"{max(0.0, float(v)):.2%}" for v in (y.max() - 1, -y.min()))
+        return (n(final), over, under, rise, _settling_time(self.time, y), *peak)
 
 
 @arguments.checked
 def step_response(system: System, duration_s: float | None = None, interval_s: float | None = None) -> TimeResponse:
     """Return the response to a unit step at each input in turn, from 0 to `duration_s` every `interval_s` seconds.
 
-    By default the slowest mode decays, or the fastest growing mode grows, by a factor of 1000 within the duration, and
-    20 points in a period and in a time constant resolve each mode until it has decayed by 1000, at least 500 in all.
-    Beside a slow mode that gives intervals of several lengths; `interval_s` gives equal ones. A sampled model keeps its
-    own interval, and its default duration is at most 10,000 samples, even if its slowest mode needs more.
+    By default the slowest mode decays, or the fastest growing mode grows, by a factor of 1000 within the duration; the
+    outputs of a stable model stay within 0.2 % of their final values after it. 20 points in a period and in a time
+    constant resolve each mode until it has decayed by 1000, at least 500 in all. Beside a slow mode that gives
+    intervals of several lengths; `interval_s` gives equal ones. A sampled model keeps its own interval, and its default
+    duration is at most 10,000 samples, even if its slowest mode needs more.
 
     Raises SignalError as `statespace.of`; TimingError for a time that is not positive, for more than 20,000 intervals
     (given, or needed by default), or for an interval of a sampled model; ModelError when a mode overflows double
     precision.
     """
     model = of(system)
-    segments, note = _segments(model, duration_s, interval_s)
+    final = _final(model)
+    deviation = None if final is None else np.asarray(np.linalg.solve(_at_rest(model), model.B), dtype=np.float64)
+    segments, note = _segments(model, duration_s, interval_s, deviation, final)
     outputs = _outputs(model, segments, np.zeros_like(model.B), model.B, model.D)
-    return _response("step", model, segments, outputs, _final(model), note)
+    return _response("step", model, segments, outputs, final, note)
 
 
 @arguments.checked
@@ -125,7 +146,8 @@ def impulse_response(system: System, duration_s: float | None = None, interval_s
             f"the impulse response contains an impulse at t = 0, D[{model.outputs[i]}, {model.inputs[j]}] is "
             f"{show.number(model.D[i, j])}: give the model with D = 0 for its response at t > 0"
         )
-    segments, note = _segments(model, duration_s, interval_s)
+    stable = transfer.is_stable(model.poles, model.time)
+    segments, note = _segments(model, duration_s, interval_s, model.B if stable else None, np.zeros_like(model.D))
     held = np.zeros_like(model.B)
     if isinstance(model.time, Continuous):
         outputs = _outputs(model, segments, model.B, held, model.D)
@@ -222,32 +244,46 @@ def _finite(outputs: Array) -> Array:
     return outputs
 
 
-def _segments(model: StateSpace, duration_s: float | None, interval_s: float | None) -> tuple[list[_Segment], str]:
-    """Return the times as segments of equal intervals, and a note on the default ones."""
+def _segments(
+    model: StateSpace, duration_s: float | None, interval_s: float | None, X: Array | None, final: Array | None
+) -> tuple[list[_Segment], str]:
+    """Return the times as segments of equal intervals, and a note on the default ones; X and `final` as `_duration`."""
     for what, seconds in (("duration", duration_s), ("interval", interval_s)):
         number = isinstance(seconds, int | float | np.integer | np.floating) and not isinstance(seconds, bool)
         if seconds is not None and not (number and 0 < seconds < np.inf):
             raise TimingError(f"the {what} is {seconds!r}: give a finite positive number of seconds")
-    note = ""
-    if isinstance(model.time, Continuous):
-        span = float(duration_s or _duration(model))
-        if interval_s is None:
-            return _resolving_segments(model, span)
-        interval = float(interval_s)
-    elif interval_s is not None:
-        raise TimingError(f"a model in {model.time} has its own interval, but {interval_s:g} s was given: leave it out")
-    else:
-        interval = model.time.period_s
-        samples = float(np.ceil(_duration(model) / interval))
-        if duration_s is None and samples > MAX_DEFAULT_SAMPLES:
-            note = f"limited to {MAX_DEFAULT_SAMPLES} samples: the slowest mode needs {samples:g}; give duration_s"
-        span = float(duration_s or min(samples, MAX_DEFAULT_SAMPLES) * interval)
+    if not isinstance(model.time, Continuous):
+        if interval_s is not None:
+            raise TimingError(
+                f"a model in {model.time} has its own interval, but {interval_s:g} s was given: leave it out"
+            )
+        T = model.time.period_s
+        if duration_s is not None:
+            return _equal_segments(float(duration_s), T), ""
+        samples = float(np.ceil(_duration(model, X, final) / T))
+        note = f"limited to {MAX_DEFAULT_SAMPLES} samples: the slowest mode needs {samples:g}; give duration_s"
+        few = samples <= MAX_DEFAULT_SAMPLES
+        return _equal_segments(min(samples, MAX_DEFAULT_SAMPLES) * T, T), "" if few else note
+    spans = [duration_s] if duration_s is not None else [_duration(model, X, final), _duration(model, None, None)]
+    for span in map(float, spans):
+        try:
+            if interval_s is None:
+                segments, note = _resolving_segments(model, span)
+            else:
+                segments, note = _equal_segments(span, float(interval_s)), ""
+            return segments, note if span == spans[0] else "the response has not settled yet: give duration_s"
+        except TimingError as error:
+            refusal = error
+    raise refusal
+
+
+def _equal_segments(span: float, interval: float) -> list[_Segment]:
     count = int(np.floor(span / interval * (1 + 1e-12)))
     if not 1 <= count <= MAX_SAMPLES:
         raise TimingError(
             f"{span:g} s hold {count} intervals of {interval:g} s: give times for 1 to {MAX_SAMPLES} of them"
         )
-    return [_Segment(interval, count)], note
+    return [_Segment(interval, count)]
 
 
 def _resolving_segments(model: StateSpace, span: float) -> tuple[list[_Segment], str]:
@@ -298,8 +334,12 @@ def _rates(model: StateSpace) -> NDArray[np.complex128]:
     return np.log(poles[poles != 0]) / model.time.period_s
 
 
-def _duration(model: StateSpace) -> float:
-    """Return the time for all stable modes to decay by 1000, or for the fastest growing mode to grow by 1000."""
+def _duration(model: StateSpace, X: Array | None, final: Array | None) -> float:
+    """Return the time for all stable modes to decay by 1000, or for the fastest growing mode to grow by 1000.
+
+    If X (n, m) are the deviations at t = 0 of the states of a stable model from rest, no output changes by more than
+    REST of `final` (p, m), or of its largest deviation where that is 0, after the time.
+    """
     rates = _rates(model)
     size = float(np.abs(rates).max(initial=0.0))
     lasting = np.abs(rates.real) <= 1e-9 * np.abs(rates) + 1e-14 * size
@@ -307,17 +347,73 @@ def _duration(model: StateSpace) -> float:
     spans = DECADES * np.log(10) / (grow.max(keepdims=True) if grow.size else np.abs(rates.real[~lasting]))
     turns = 10 * 2 * np.pi / np.abs(rates[lasting & (np.abs(rates) > 1e-14 * size)])
     shortest = 1.0 if isinstance(model.time, Continuous) else 10 * model.time.period_s
-    return float(np.concatenate([spans, turns]).max(initial=0.0)) or shortest
+    duration = float(np.concatenate([spans, turns]).max(initial=0.0)) or shortest
+    if X is None or final is None or not rates.size:
+        return duration
+    period = 0.0 if isinstance(model.time, Continuous) else model.time.period_s
+    h = period * max(1.0, duration / PARTS // period) if period else duration / PARTS
+    parts = int(duration / h * (1 + ROUNDING))
+    F, bound, deviations = _transition(model, h), _tail_bound(model), [X]
+    for _ in range(parts):
+        deviations.append(F @ deviations[-1])
+    peak = np.abs(model.C @ np.array(deviations)).max(axis=0, initial=0.0)
+    scale = REST * np.where(np.abs(final) > ROUNDING * peak, np.abs(final), peak)
+    X, end = deviations[-1], parts * h
+    while end < LONGEST * duration:
+        left = float(np.divide(bound(X), scale, out=np.zeros_like(scale), where=scale > 0).max(initial=0.0))
+        if left <= 1:
+            break
+        more = max(np.log(left) / float(-rates.real.max()), h)
+        more = period * np.ceil(more / period) if period else more
+        X, end = _transition(model, more) @ X, end + more
+    return max(duration, end)
+
+
+def _transition(model: StateSpace, seconds: float) -> Array:
+    """Return the matrix that maps the state to that after a time, without inputs."""
+    if isinstance(model.time, Continuous):
+        return _recursion(model, model.B, seconds)[0]
+    return np.asarray(np.linalg.matrix_power(model.A, round(seconds / model.time.period_s)))
+
+
+def _tail_bound(model: StateSpace) -> Callable[[Array], Array]:
+    """Return X (n, m) -> upper bounds (p, m) of |y(t)| at all t >= 0 for the states X at t = 0 without inputs.
+
+    The norms of L2 in its square follow from an observability Gramian for each output.
+    """
+    A, S, C = resolvent.balanced(model.A, np.eye(len(model.A)), model.C)
+    pairs = []
+    for c in C:
+        if isinstance(model.time, Continuous):
+            W = 2 * scipy.linalg.solve_continuous_lyapunov(A.T, -np.outer(c, c))
+            pairs.append((W, A.T @ W @ A))
+        else:
+            rows = c - c @ A, c + c @ A
+            pairs.append(
+                tuple(scipy.linalg.solve_discrete_lyapunov(A.T, np.outer(row, row), "bilinear") for row in rows)
+            )
+
+    def bound(X: Array) -> Array:
+        Y = S @ X
+        squares = [[np.maximum(np.einsum("nm,nk,km->m", Y, W, Y), 0) for W in pair] for pair in pairs]
+        return np.array([(first * second) ** 0.25 for first, second in squares])
+
+    return bound
 
 
 def _final(model: StateSpace) -> Array | None:
     """Return C (-A)^-1 B + D, for a sampled model C (I - A)^-1 B + D; None unless it is stable."""
     if not transfer.is_stable(model.poles, model.time):
         return None
-    resolvent = -model.A if isinstance(model.time, Continuous) else np.eye(len(model.A)) - model.A
-    if magnitude.is_singular(resolvent):
+    M = _at_rest(model)
+    if magnitude.is_singular(M):
         return None
-    return np.asarray(model.C @ np.linalg.solve(resolvent, model.B) + model.D)
+    return np.asarray(model.C @ np.linalg.solve(M, model.B) + model.D)
+
+
+def _at_rest(model: StateSpace) -> Array:
+    """Return M (n, n) of M x = B u at rest: -A, for a sampled model I - A."""
+    return -model.A if isinstance(model.time, Continuous) else np.eye(len(model.A)) - model.A
 
 
 def _response(
@@ -347,8 +443,12 @@ def _first_crossing(time: Array, y: Array, level: float) -> float:
 
 
 def _settling_time(time: Array, y: Array) -> str:
-    """Return the settling time, after which y stays within BAND of 1, as text; "" if it is still outside."""
+    """Return the time after which y stays within BAND of 1, by linear interpolation, as text; "" if it is outside."""
     outside = np.flatnonzero(np.abs(y - 1) > BAND)
     if not outside.size:
         return show.number(time[0])
-    return show.number(time[outside[-1] + 1]) if outside[-1] + 1 < len(time) else ""
+    k = int(outside[-1])
+    if k + 1 == len(time):
+        return ""
+    edge = 1 + BAND * np.sign(y[k] - 1)
+    return show.number(time[k] + (time[k + 1] - time[k]) * (edge - y[k]) / (y[k + 1] - y[k]))
