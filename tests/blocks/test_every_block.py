@@ -12,7 +12,15 @@ from synth.block import Block, unranged
 from synth.blocks.estimate import advance, dead_reckoning, glsdc_estimator, glsdc_search, unwrap
 from synth.blocks.faults import innovation_monitor, landing, probe, redundancy, start
 from synth.blocks.guard import following, missed_calls, safe_output, safety
-from synth.blocks.laws import biquad, derivative_filter, lead_lag, linear_block, predictive_servo, regulator
+from synth.blocks.laws import (
+    biquad,
+    derivative_filter,
+    jerk_limited,
+    lead_lag,
+    linear_block,
+    predictive_servo,
+    regulator,
+)
 from synth.errors import EmitError
 from synth.execute import host
 from synth.verify import agree, sampling
@@ -22,7 +30,7 @@ FAMILIES = (
     *(advance, dead_reckoning, glsdc_estimator, glsdc_search, unwrap),
     *(innovation_monitor, landing, probe, redundancy, start),
     *(following, missed_calls, safe_output, safety),
-    *(biquad, derivative_filter, lead_lag, linear_block, predictive_servo, regulator),
+    *(biquad, derivative_filter, jerk_limited, lead_lag, linear_block, predictive_servo, regulator),
 )
 STEPS = 400
 DIFFERENCE = {np.float64: 1e-12, np.float32: 1e-4}  # of the witnesses, relative to the largest value of a signal

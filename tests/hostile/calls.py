@@ -3,6 +3,7 @@
 import functools
 import tempfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -154,6 +155,13 @@ def examples() -> Mapping[str, Call]:
         "advance.lost": {"position": GAP},
         "advance.block": {"positions": [advance.Position(GAP, 1.0)], "samples": 1.5, "bad_samples": 5},
         "biquad.block": {"signal": GAP, "filtered": "gap_filtered", "poles": [30.0, 0.7], "zeros": [40.0, 0.1]},
+        "jerk_limited.block": {
+            "target": GAP,
+            "measured": replace(GAP, name="gap_measured"),
+            "velocity": 1.0,
+            "acceleration": 20.0,
+            "jerk": 400.0,
+        },
         "derivative_filter.block": {"signal": GAP, "rate": RATE, "bandwidth": 30.0},
         "lqg.from_measurement": {"plant": held, "estimator": common["estimator"].predictor()},
         "feedback_linearisation.of_plant": {**single, "point": common["point"]},

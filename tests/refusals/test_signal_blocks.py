@@ -3,7 +3,7 @@
 import numpy as np
 
 from synth.blocks.estimate import unwrap
-from synth.blocks.laws import biquad
+from synth.blocks.laws import biquad, jerk_limited
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal
 from tests.refusals.table import call, refusals
@@ -18,6 +18,11 @@ SIGNAL = [
         call(unwrap.block, "below half a span, 1.5 m, or a turn is miscounted", **changed)
         for changed in ({"speed": 60.0}, {"speed": 0.0}, {"speed": np.nan}, {"bad_samples": 0})
     ),
+    call(jerk_limited.block, "the limit of the velocity of 'name' is 0.0: give", velocity=0.0),
+    call(jerk_limited.block, "the limit of the jerk of 'name' is inf: give", jerk=np.inf),
+    call(jerk_limited.block, "the jerk 3000 reaches the acceleration 20 within a sample of 0.01 s", jerk=3000.0),
+    call(jerk_limited.block, "the acceleration 20 reaches the velocity 0.1 within", velocity=0.1),
+    call(jerk_limited.block, "'p' is in rad and 'gap' in m", measured=Signal("p", "rad", -1, 1)),
     call(unwrap.block, "starts over after 0.01: give a span of at least the width", span=0.01),
     call(unwrap.block, "starts over after inf: give a span", span=np.inf),
     call(unwrap.block, "'p' is in rad and 'gap' in m", position=Signal("p", "rad", -10, 10)),
