@@ -38,7 +38,7 @@ class Plant:
     def sheet(self) -> show.Sheet:
         """Return the signals with their ranges, and the parameters."""
         groups = {"state": self.states, "input": self.inputs, "output": self.outputs}
-        rows = ((p.name, show.number(p.value), p.unit, f"{p.tolerance:g}", p.source) for p in self.parameters)
+        rows = ((p.name, show.number(p.value), p.unit, p.tolerance_text, p.source) for p in self.parameters)
         parameters = show.Table("", ("parameter", "value", "unit", "tolerance", "source"), tuple(rows))
         tables = (show.signals(groups), *([parameters] if self.parameters else []))
         return show.Sheet(f"Plant {self.name}: dx/dt = f(x, u, p), y = h(x, u, p)", tables=tables)

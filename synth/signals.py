@@ -143,21 +143,52 @@ class Signal:
 @arguments.checked
 @dataclass(frozen=True)
 class Parameter:
-    """A physical constant: value in `unit`, relative tolerance (0.05 for 5 %), and the source that states it."""
+    """A physical constant: value in `unit`, its tolerance, and the source that states it.
+
+    The tolerance is relative, 0.05 for 5 %, or the two ends of the values in `unit`: (0.0, 3.0) of a payload.
+    """
 
     name: str
     value: float
     unit: str
-    tolerance: float
+    tolerance: float | tuple[float, float]
     source: str
 
     def __post_init__(self) -> None:
         dimension(self.unit)
-        if not math.isfinite(self.value) or not 0 <= self.tolerance < 1:
+        if isinstance(self.tolerance, tuple):
+            low, high = self.tolerance
+            sound = -math.inf < low <= self.value <= high < math.inf
+        else:
+            sound = math.isfinite(self.value) and 0 <= self.tolerance < 1
+        if not sound:
             raise SignalError(
-                f"parameter '{self.name}' has value {self.value} and tolerance {self.tolerance}: "
-                "the value must be finite and the tolerance a share of it, at least 0 and below 1: 0.05 for 5 %"
+                f"parameter '{self.name}' has value {self.value} and tolerance {self.tolerance}: give a finite value, "
+                f"and a share of it, at least 0 and below 1, 0.05 for 5 %, or both ends in {self.unit}, (low, high), "
+                "with the value between them"
             )
+
+    def at(self, z: float) -> float:
+        """Return the nominal value for z = 0, the ends of the tolerance for -1 and 1, and linearly between these.
+
+        A value beyond z = -1 or 1 stays at an end that the tolerance gives.
+        """
+        if isinstance(self.tolerance, tuple):
+            low, high = self.tolerance
+            return self.value + min(max(z, -1.0), 1.0) * (high - self.value if z > 0 else self.value - low)
+        return self.value * (1 + self.tolerance * z)
+
+    @property
+    def varies(self) -> bool:
+        """Whether the ends of the tolerance differ."""
+        return self.at(-1.0) != self.at(1.0)
+
+    @property
+    def tolerance_text(self) -> str:
+        """The tolerance in %, or both ends in the unit."""
+        if isinstance(self.tolerance, tuple):
+            return f"{self.tolerance[0]:g} .. {self.tolerance[1]:g} {self.unit}"
+        return f"{100 * self.tolerance:g} %"
 
 
 @arguments.checked

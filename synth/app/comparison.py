@@ -16,8 +16,6 @@ from synth.simulate import study
 from synth.simulate.sampling import Sampling
 from synth.verify import standard
 
-MARGINS = MARGINS
-
 
 def plan_of(designs: tuple[Stage, Stage], drawn: Sampling, patterns: tuple[str, ...]) -> Plan:
     """Return the study of the experiments that both designs have and whose names match, all without patterns.
@@ -44,7 +42,7 @@ def plan_of(designs: tuple[Stage, Stage], drawn: Sampling, patterns: tuple[str, 
     return Plan(drawn, common)
 
 
-def _machine(stage: Stage) -> list[tuple[str, float, float]]:
+def _machine(stage: Stage) -> list[tuple[str, float, float | tuple[float, float]]]:
     """Return all from which machines are drawn, in order: name, nominal value, and tolerance or largest error."""
     rig = study_runs.rig(stage)
     sensors = rig.stage.interface.sensors
@@ -55,13 +53,13 @@ def _machine(stage: Stage) -> list[tuple[str, float, float]]:
     ]
 
 
-def _difference(*machines: list[tuple[str, float, float]]) -> str:
+def _difference(*machines: list[tuple[str, float, float | tuple[float, float]]]) -> str:
     """Return the first quantity in which two machines differ, as a sentence."""
     first, second = next((a, b) for a, b in zip_longest(*machines) if a != b)
     return f"one has {_text(first)} where the other has {_text(second)}"
 
 
-def _text(quantity: tuple[str, float, float] | None) -> str:
+def _text(quantity: tuple[str, float, float | tuple[float, float]] | None) -> str:
     return "{} = {:g} (+- {:g})".format(*quantity) if quantity else "nothing more"
 
 

@@ -191,8 +191,8 @@ def with_headroom(stage: Stage, run: Experiment) -> Experiment:
 
     A state that the stage lists as limited on purpose may reach it.
     """
-    constants = {s.name: 0.0 for s in (stage.interface.missed_calls,) if s}
-    return experiments.with_headroom(run, compiled_controller(stage, np.float64), stage.limited, constants)
+    controller = compiled_controller(stage, np.float64)
+    return experiments.with_headroom(run, controller, stage.limited, stage.interface.constant_inputs)
 
 
 def replay_inputs(stage: Stage, controller: host.Controller) -> Mapping[str, Any]:

@@ -96,7 +96,7 @@ def measure_goals(search: Search, stage: Stage, rig: Rig) -> tuple[Goal, ...]:
     sampling = Sampling(search.plan.plants, search.plan.seed)
     table = verdicts.with_limits(stage, study.run(rig, experiments, sampling, range(sampling.rows), search.integration))
     stage = _at_points(stage, search.tuning.points)
-    survey = robustness.survey(standard.loops(stage)) if stage.operating_points else robustness.Survey((), ())
+    survey = robustness.survey(robustness.of_stage(stage)) if stage.operating_points else robustness.Survey((), ())
     return (*experiment_goals(table, search.tuning.goals), *_margin_goals(stage, search.tuning, survey))
 
 

@@ -50,17 +50,17 @@ SHOWN = 3  # places that the text of a check names, and faults that are listed w
 
 
 def survey(stage: Stage) -> Survey | None:
-    """Return the loops of a stage with all margins, at its places or operating points and at the corners of the
-    tolerances; None for a stage without loops.
+    """Return the loops of a stage with all margins, at its places or operating points, at the corners of the
+    tolerances and in the cases; None for a stage without loops.
     """
     if not stage.interface.actuators or not (stage.operating_points or stage.loops):
         return None
     if stage.loops:
         return _own_loops(stage.loops(stage))
-    nominal = standard.loops(stage)
+    nominal = robustness.of_stage(stage)
     surveys = [robustness.survey(nominal, nominal.groups)]
-    if corners := robustness.corners(stage.plant, stage.tolerances):
-        surveys.append(robustness.survey(replace(nominal, cases=corners), {AT_ONCE: nominal.groups[AT_ONCE]}))
+    if varied := standard.varied_cases(stage):
+        surveys.append(robustness.survey(replace(nominal, cases=varied), {AT_ONCE: nominal.groups[AT_ONCE]}))
     return Survey(
         [loop for each in surveys for loop in each.loops],
         [unsolved for each in surveys for unsolved in each.unsolved],
@@ -69,7 +69,7 @@ def survey(stage: Stage) -> Survey | None:
 
 
 def closed_loops(stage: Stage) -> list[robustness.ClosedLoop]:
-    """Return the closed loops of a stage at its places, or operating points and corners; much sooner than `survey`."""
+    """Return the closed loops of a stage at its places, or points, corners and cases; much sooner than `survey`."""
     if not stage.interface.actuators or not (stage.operating_points or stage.loops):
         return []
     if stage.loops:

@@ -1,14 +1,17 @@
 """Experiments as data: what is run, and the requirements on the response.
 
     StepResponse  step of a set-point:        overshoot / step, settling time to a band of 2 % of the step or one count
+                                              around the set-point, or around the final value
     Track         moving set-points:          mean |y - r| of the true positions, after the initial transient
     Hold          constant set-points:        max |y - r| under disturbances, after the initial transient
     LiftOff       start at another position:  set-points ramp from there; overshoot / travel, max |y - r| at the end
     SensorFaults  each sensor fails alone:      samples to its name, to braking and to the latch; commands after it
     Run           what a function of the stage runs
 
-Conditions of an experiment are its initial state, time profiles of disturbances, and changed parameters. It is run by
-`synth.simulate.experiments`.
+Conditions of an experiment are its initial state, time profiles of disturbances and auxiliary inputs, and changed
+parameters. A run starts at the loop's equilibrium at the initial state, with the controller's states and currents that
+belong to it. Where this state is on a stop, or outside the set-points' ranges, and in `LiftOff` and `SensorFaults`, the
+controller is switched on there, with the actuators at their safe values. `synth.simulate.experiments` runs them.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -64,8 +67,9 @@ class Ramp:
 class Conditions:
     """Conditions of an experiment that differ from the declared stage.
 
-    `start` gives plant states, others are 0; `disturbances` are time profiles of plant inputs that no actuator drives;
-    `parameters` are plant parameters that differ from those of the controller design. `options` are further fields of
+    `start` gives plant states, others are 0; `disturbances` are time profiles of plant inputs that no actuator drives,
+    `auxiliaries` of auxiliary inputs; `parameters` are plant parameters that differ from those of the controller
+    design. `case` is the name of one of the stage's, which give both. `options` are further fields of
     `scenario.Scenario`.
     """
 
@@ -73,11 +77,14 @@ class Conditions:
     disturbances: Mapping[str, Course] = field(default_factory=dict)
     parameters: Mapping[str, float] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
+    auxiliaries: Mapping[str, Course] = field(default_factory=dict)
+    case: str = ""
 
     def text(self) -> str:
         """Return the conditions as text, each after a comma."""
         changed = [f"{name} = {value:g}" for name, value in {**self.parameters, **self.start}.items()]
-        return "".join(f", {part}" for part in (*changed, *(f"{name} acts" for name in self.disturbances)))
+        acting = (f"{name} acts" for name in (*self.disturbances, *self.auxiliaries))
+        return "".join(f", {part}" for part in (*([self.case] if self.case else []), *changed, *acting))
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +94,11 @@ class StepResponse:
     `overshoot` is a fraction of the step, `settling_time_s` the limit of the settling time, `error` that of the final
     |y - r|, None for no check. `conditions` gives the conditions of the run, `label` replaces the name.
 
-    Raises SignalError for a step of 0, an overshoot above 1, and a settling time that is not positive.
+    Both limits are for the set-point, or with `to_final` for the value at which the position comes to rest: then an
+    error of the gauge's zero is no overshoot, and `error` says how far from the set-point it may be. Both are measured.
+
+    Raises SignalError for a step of 0, an overshoot above 1, a settling time that is not positive, and `to_final`
+    without `error`.
     """
 
     set_point: str
@@ -97,10 +108,15 @@ class StepResponse:
     error: float | None = None
     conditions: Conditions = field(default_factory=Conditions)
     label: str = ""
+    to_final: bool = False
 
     def __post_init__(self) -> None:
         positive = {"settling_time_s": self.settling_time_s, "height": abs(self.height)}
         _require_response(self.name, self.overshoot, **positive)
+        if self.to_final and self.error is None:
+            raise SignalError(
+                f"{self.name}: a response to its final value may end anywhere: give `error`, the largest |y - r| there"
+            )
 
     @property
     def name(self) -> str:

@@ -68,6 +68,22 @@ class SetPoint:
 
 
 @dataclass(frozen=True)
+class Auxiliary:
+    """A controller input that is neither a reading nor a set-point: a payload, a feedforward, the number of a gain set.
+
+    A law reads ``<name>_held``. A bad value never latches; `initial`, by default the value nearest to 0, stands in for
+    it, and for what an experiment or a margin does not give.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    initial: float | None = None
+    about: str = ""
+
+
+@dataclass(frozen=True)
 class Actuator:
     """A controller output that drives the plant input `of`, called like it where `of` is left out.
 
@@ -89,9 +105,10 @@ class Actuator:
 class Interface:
     """The interface between plant and laws, as `stage.interface` completes it: every `of`, low and high is set.
 
-    `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
-    actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor,
-    of which `good_samples` make up for one, the actuators go to their safe values, with the `safe_output_effect`.
+    `signals` are those of sensors, set-points, auxiliary inputs and actuators by name. `delay` counts samples between
+    measurement and actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row
+    with a bad sensor, of which `good_samples` make up for one, the actuators go to their safe values, with the
+    `safe_output_effect`.
     `suspected` are sensors that a law compares, `missed_calls` the input that counts missing calls, if there is one. A
     law that reads ``brakes`` has `braking` samples more to stop the machine before.
     """
@@ -109,20 +126,32 @@ class Interface:
     missed_calls: Signal | None = None
     braking: int = 0
     good_samples: int = 0
+    auxiliaries: tuple[Auxiliary, ...] = ()
 
     def sheet(self) -> show.Sheet:
         """Return the signals with their ranges."""
-        sensors, set_points = ([self.signals[s.name] for s in each] for each in (self.sensors, self.set_points))
-        groups = {"sensor": sensors, "set-point": set_points, "actuator": self.outputs}
+        declared = (("sensor", self.sensors), ("set-point", self.set_points), ("auxiliary", self.auxiliaries))
+        groups = {role: [self.signals[s.name] for s in each] for role, each in declared} | {"actuator": self.outputs}
         line = f"delay of {self.delay} samples; safe output after {self.bad_samples} bad samples in a row"
         line += f" and {self.braking} more in which it brakes" if self.braking else ""
         return show.Sheet(f"Interface to the plant {self.plant.name}", (line,), (show.signals(groups),))
 
     @property
+    def references(self) -> tuple[SetPoint | Auxiliary, ...]:
+        """The inputs that no sensor drives: set-points, then auxiliary ones."""
+        return (*self.set_points, *self.auxiliaries)
+
+    @property
     def inputs(self) -> tuple[Signal, ...]:
-        """The controller's inputs: sensors, then set-points, then the count of missed calls if there is one."""
-        names = (*(s.name for s in self.sensors), *(s.name for s in self.set_points))
-        return (*(self.signals[n] for n in names), *((self.missed_calls,) if self.missed_calls else ()))
+        """Inputs of the controller: sensors, set-points, auxiliary ones, and the count of missed calls if it is one."""
+        declared = (*self.sensors, *self.references)
+        return (*(self.signals[s.name] for s in declared), *((self.missed_calls,) if self.missed_calls else ()))
+
+    @property
+    def constant_inputs(self) -> dict[str, float]:
+        """Inputs where nothing gives them: the initial values of auxiliary ones, and 0 missed calls."""
+        values = {a.name: a.initial or 0.0 for a in self.auxiliaries}
+        return values | ({self.missed_calls.name: 0.0} if self.missed_calls else {})
 
     @property
     def outputs(self) -> tuple[Signal, ...]:
@@ -135,7 +164,7 @@ class Interface:
         return {s.name: p for p in self.set_points for s in self.sensors if p.of in (s.name, s.of) and not s.wraps}
 
     def held(self, name: str) -> Signal:
-        """Return ``<name>_held``, the guard's output for a sensor or set-point; raise SignalError for another name."""
+        """Return ``<name>_held``, the guard's output for an input; raise SignalError for another name."""
         return replace(self._signal(name), name=f"{name}_held")
 
     def error(self, of: str) -> Signal:
@@ -238,6 +267,8 @@ class Stage:
     coordinates       {name: {sensor: weight}}: sums of sensors at which loops are opened, instead of at each sensor
     loops             loops at places (`analyse.loops.robustness.LoopsAt`) of a controller that no sample leaves at rest
     tolerances        plant parameters; the margins are required at all limits of their tolerances, too
+    cases             {name: values} of plant parameters and auxiliary inputs, such as payloads: the margins are
+                      required in each, and `Conditions(case=name)` runs an experiment in one
     experiments       of `declare.experiments`; `runs` returns further ones, with `name` and `run(rig) -> Experiment`
     scalar            the scalar type of the C; `surrogate_error` is relative, by type, else the emitter's, and
                       `gain_error` the largest relative change of a DC gain of the law by the type
@@ -270,6 +301,7 @@ class Stage:
     coordinates: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     loops: Callable[[Any], Sequence[Any]] | None = None
     tolerances: Sequence[str] = ()
+    cases: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     experiments: Sequence[Any] = ()
     runs: Callable[[], Sequence[Any]] | None = None
     about: str = ""

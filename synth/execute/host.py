@@ -11,6 +11,7 @@ Build a controller from a Block: emit its C, compile it and load it, in one call
 import ctypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -114,10 +115,18 @@ class Controller:
         """The address of `uint32_t step(void *state, const void *in, void *out)`."""
         return ctypes.cast(self.library.synth_host_step, ctypes.c_void_p).value or 0
 
-    def init(self) -> Records:
-        """Return the state after `init`, a record of shape ()."""
+    def init(self, changed: Mapping[str, float] = MappingProxyType({})) -> Records:
+        """Return the state after `init`, a record of shape (), with the members in `changed` replaced.
+
+        Raises SignalError for a member that the state does not have.
+        """
         state = np.zeros((), self.state)
         _prototype(self.library, "synth_host_init", ctypes.c_void_p)(state.ctypes.data)
+        for name, value in changed.items():
+            if name not in (self.state.names or ()):
+                known = ", ".join(self.state.names or ())
+                raise SignalError(f"'{self.manifest['design']}' has no state '{name}': it has {known or 'none'}")
+            state[name] = value
         return state
 
     def step(self, state: Records, inputs: Mapping[str, Any]) -> Step:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import resources
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,15 +25,17 @@ from synth.execute import host
 from synth.execute.host import Records
 
 
-def states(controller: host.Controller, inputs: Mapping[str, ArrayLike]) -> Records:
-    """Return the states x_0 .. x_N (N + 1,) from `init`, under input columns (N,) or constants.
+def states(
+    controller: host.Controller, inputs: Mapping[str, ArrayLike], changed: Mapping[str, float] = MappingProxyType({})
+) -> Records:
+    """Return the states x_0 .. x_N (N + 1,) from `init` with `changed` states, under input columns (N,) or constants.
 
-    Raises SignalError as `host.Controller.replay`.
+    Raises SignalError as `host.Controller.init` and `replay`.
     """
     n = host.length(inputs)
     input_records = controller.records(inputs, n)
     states, outputs = np.zeros(n + 1, controller.state), np.zeros((), controller.outputs)
-    states[0] = controller.init()
+    states[0] = controller.init(changed)
     step = ctypes.CFUNCTYPE(ctypes.c_uint32, *[ctypes.c_void_p] * 3)(controller.step_address)
     state_address, size = states.ctypes.data, states.itemsize
     input_address, width = input_records.ctypes.data, input_records.itemsize

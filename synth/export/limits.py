@@ -33,10 +33,10 @@ class Limits(NamedTuple):
 
 
 def of_stage(stage: Stage, positions: Mapping[str, str], home: Mapping[str, float]) -> dict[str, Limits]:
-    """Return the limits of each set-point; `positions` are the states that they control, `home` their values."""
+    """Return the limits of each set-point, with its state in `positions`, and auxiliary input, around `home`."""
     plant, period = stage.plant, stage.controller.time.period_s
     names = [s.name for s in plant.states]
-    ranges = {p.name: p.high - p.low for p in stage.interface.set_points}
+    ranges = {p.name: p.high - p.low for p in stage.interface.references}
     bounds = {name: (r / TRAVEL_S, r / TRAVEL_S / (RISE * period)) for name, r in ranges.items()}
     controlled = {name: names.index(q) for name, q in positions.items() if q in names}
     if controlled:

@@ -148,7 +148,7 @@ def _facts(
     period_s, real = manifest["period_s"], "float" if manifest["scalar"] == "float32" else "double"
     read = {f["name"]: f for f in wiring.members(manifest, "input")}
     outputs = wiring.outputs(stage, manifests)
-    home = rig.set_points_at({})
+    home = rig.at_rest()
     least = limits.of_stage(stage, rig.positions, home)
     sensors = [
         _signal(read[s.name])
@@ -162,9 +162,9 @@ def _facts(
     names = [s.name for s in interface.sensors]
     set_points = [
         _signal(read[p.name])
-        | {"home": repr(home[p.name]), "pose": wiring.pose(stage, p.of, names)}
+        | {"home": repr(home[p.name]), "pose": wiring.pose(stage, p.of, names) if isinstance(p, SetPoint) else ""}
         | {key: repr(value) for key, value in least[p.name]._asdict().items()}
-        for p in interface.set_points
+        for p in interface.references  # a client moves them all alike
     ]
     safety = manifest["safety"] or {"safe_output": {}, "slew_per_s": {}}
     safe = [

@@ -37,11 +37,11 @@ AGREEMENT = {
 
 
 def parameters(plant: Plant) -> Table:
-    """Return the parameters of a plant: value, unit, relative tolerance in %, source."""
+    """Return the parameters of a plant: value, unit, tolerance, source."""
     rows = tuple(
-        (symbol(p.name), p.name, p.value, readable(p.unit), 100 * p.tolerance, p.source) for p in plant.parameters
+        (symbol(p.name), p.name, p.value, readable(p.unit), p.tolerance_text, p.source) for p in plant.parameters
     )
-    return Table("Parameters", ("symbol", "name", "value", "unit", "tolerance, %", "source"), rows, digits=6)
+    return Table("Parameters", ("symbol", "name", "value", "unit", "tolerance", "source"), rows, digits=6)
 
 
 def experiment(

@@ -161,8 +161,8 @@ def gains(name: str, files: Mapping[str, EmittedCode]) -> Mapping[str, Any]:
 def facts(stage: Stage) -> tuple[tuple[str, str], ...]:
     """Return the facts at the top of the report of a stage."""
     interface, signals = stage.interface, stage.interface.signals
-    points = f"; set-points {', '.join(s.name for s in interface.set_points)}" if interface.set_points else ""
-    inputs = f"sensors {', '.join(s.name for s in interface.sensors)}{points}"
+    roles = (("sensors", interface.sensors), ("set-points", interface.set_points), ("auxiliary", interface.auxiliaries))
+    inputs = "; ".join(f"{role} {', '.join(s.name for s in each)}" for role, each in roles if each)
     outputs = ", ".join(f"{a.name} in {signals[a.name].unit}" for a in interface.actuators)
     shown = outputs or standard.list_signals(stage.controller.block.outputs)
     delay = f"{interface.delay} sample{'s' if interface.delay != 1 else ''} from measurement to actuation"

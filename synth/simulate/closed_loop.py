@@ -78,7 +78,7 @@ def simulate(
     drive: Sequence[host.Controller] = (),
     prefix: Prefix | None = None,
 ) -> Trajectory:
-    """Run the scenario from `controller.init()`; `disturbance(x, t)` (n,) is added to dx/dt, in state units per s.
+    """Run the scenario; `disturbance(x, t)` (n,) is added to dx/dt, in state units per s.
 
     With a `drive` the commands are the outputs of its last Block. With a `prefix` of the same plant and Blocks, whose
     scenario has the same samples, only those after it are computed.
@@ -210,7 +210,7 @@ def _trajectory(loop: _Loop) -> Trajectory:
     blocks = controller, *(block.controller for block in records)
     drive_faults = {block.name: block.faults & ~block.controller.status_mask for block in records}
     units, mask = column_units(plant, blocks), controller.status_mask
-    run = trajectory(units, mask, loop.time, groups, arrays["faults"], impacts)
+    run = trajectory(units, mask, loop.time, groups, arrays["faults"], impacts, loop.scenario.state)
     return replace(run, drive_faults=drive_faults)
 
 
@@ -221,11 +221,12 @@ def trajectory(
     groups: Mapping[str, Mapping[str, NDArray[Any]]],
     words: NDArray[np.uint32],
     impacts: dict[str, float],
+    initial: Mapping[str, float],
 ) -> Trajectory:
     """Return a trajectory, whose columns are read-only; `words` are those of the controller, with bits of a status."""
     faults, status = words & ~status_mask, words & status_mask
     time.flags.writeable = faults.flags.writeable = status.flags.writeable = False
-    return Trajectory(time=time, faults=faults, status=status, impacts=impacts, units=units, **groups)
+    return Trajectory(time=time, faults=faults, status=status, impacts=impacts, units=units, initial=initial, **groups)
 
 
 def column_units(plant: Plant, blocks: Sequence[host.Controller]) -> dict[str, str]:

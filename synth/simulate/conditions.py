@@ -3,7 +3,7 @@
 Forcing of a simulated loop: disturbances and fixed commands at the inputs of the plant, held over each substep.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -78,9 +78,13 @@ def forcing(plant: Plant, names: Sequence[str], disturbances: Mapping[str, Cours
 def set_point(interface: Interface, name: str) -> SetPoint:
     """Return the set-point called `name`; raise SignalError for another name."""
     points = {s.name: s for s in interface.set_points}
-    if name not in points:
-        raise SignalError(f"the stage has no set-point '{name}': name one of {', '.join(points) or 'none'}")
+    _require_known("set-point", points, name)
     return points[name]
+
+
+def _require_known(role: str, known: Collection[str], name: str) -> None:
+    if name not in known:
+        raise SignalError(f"the stage has no {role} '{name}': name one of {', '.join(known) or 'none'}")
 
 
 def profiles(interface: Interface, courses: Mapping[str, Course], time: Array) -> dict[str, Array]:
@@ -89,17 +93,28 @@ def profiles(interface: Interface, courses: Mapping[str, Course], time: Array) -
     Raises SignalError for another name, for a set-point that leaves its range, where the guard would refuse it, and as
     `values`.
     """
-    known = {}
+    return _in_range("set-point", [s.name for s in interface.set_points], interface, courses, time)
+
+
+def auxiliaries(interface: Interface, courses: Mapping[str, Course], time: Array) -> dict[str, Array]:
+    """Return the values of auxiliary inputs at times (N,); raise SignalError as `profiles`."""
+    return _in_range("auxiliary input", [s.name for s in interface.auxiliaries], interface, courses, time)
+
+
+def _in_range(
+    role: str, known: Collection[str], interface: Interface, courses: Mapping[str, Course], time: Array
+) -> dict[str, Array]:
+    made = {}
     for name, course in courses.items():
-        point, unit = set_point(interface, name), interface.signals[name].unit
-        known[name] = values(course, time)
-        worst = _farthest(known[name], point.low, point.high)
-        if not point.low <= worst <= point.high:
+        _require_known(role, known, name)
+        s, made[name] = interface.signals[name], values(course, time)
+        worst = _farthest(made[name], s.low, s.high)
+        if not s.low <= worst <= s.high:
             raise SignalError(
-                f"the course of set-point '{name}' reaches {worst:g} {unit}; its range is {point.low:g} .. "
-                f"{point.high:g} {unit}: give a smaller step or motion, or the set-point a wider range"
+                f"the course of {role} '{name}' reaches {worst:g} {s.unit}; its range is {s.low:g} .. {s.high:g} "
+                f"{s.unit}: give a smaller step or motion, or the {role} a wider range"
             )
-    return known
+    return made
 
 
 def _farthest(course: Array, low: float, high: float) -> float:

@@ -17,6 +17,7 @@ Result of an experiment: a simulated run, the signals to plot, measured values a
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import field, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -67,12 +68,14 @@ _GUARD_PREFIXES = ("guard_", "safe_output_")
 _REAL = ("float", "double")
 
 
-def ratios(controller: host.Controller, inputs: Mapping[str, ArrayLike]) -> dict[str, float]:
-    """Return r of each state of the control laws, under input columns (N,) from `init`.
+def ratios(
+    controller: host.Controller, inputs: Mapping[str, ArrayLike], initial: Mapping[str, float] = MappingProxyType({})
+) -> dict[str, float]:
+    """Return r of each state of the control laws, under input columns (N,) from `init` with `initial` states.
 
-    Raises SignalError as `host.Controller.replay`.
+    Raises SignalError as `recorder.states`.
     """
-    states = recorder.states(controller, inputs)
+    states = recorder.states(controller, inputs, initial)
     fields = controller.manifest["structs"]["state"]["fields"]
     laws = [f for f in fields if f["ctype"] in _REAL and not f["name"].startswith(_GUARD_PREFIXES)]
     return {f["name"]: _ratio(states[f["name"]].astype(np.float64), f["low"], f["high"]) for f in laws}
@@ -94,7 +97,8 @@ def with_headroom(
     `limited` names states that may reach it; `controller` is the C in double precision. `constants` are its inputs that
     the controller of the experiment may not read.
     """
-    peaks = ratios(controller, {**(constants or {}), **experiment.trajectory.measured})
+    run = experiment.trajectory
+    peaks = ratios(controller, {**(constants or {}), **run.measured}, run.initial)
     if not peaks:
         return experiment
     free = {name: r for name, r in peaks.items() if name not in limited}
@@ -123,16 +127,23 @@ def _step_response(step: StepResponse, rig: Rig) -> Experiment:
     trajectory = _trajectory(rig, 5 * limit, {step.set_point: course}, step.conditions)
     k = int(np.argmax(time >= limit))
     y, band = trajectory[position], max(BAND * abs(step.height), _resolution(rig, position))
-    settling_time = metrics.settling_time(time[k:], y[k:] - target, band)
-    overshoot = metrics.overshoot(y[k:], start, target)
+    final = float(np.mean(y[_last(trajectory)]))
+    targets = {"to the set-point": (start, target), "to the final value": (float(y[k]), final)}
+    measured = {
+        to: (_overshoot(y[k:], *ends), metrics.settling_time(time[k:], y[k:] - ends[1], band))
+        for to, ends in targets.items()
+    }
+    limited, other = reversed(measured) if step.to_final else measured
+    (overshoot, settling_time), (beside, late) = measured[limited], measured[other]
     checks = [
-        Check("overshoot", overshoot, step.overshoot, "1", f"of the step of {position}"),
-        Check("settling time", settling_time, limit, "s", f"{position} stays within {band:.3g} {unit}"),
+        Check("overshoot", overshoot, step.overshoot, "1", f"of the step of {position}, {limited}"),
+        Check("settling time", settling_time, limit, "s", f"{position} stays within {band:.3g} {unit}, {limited}"),
     ]
     if step.error is not None:
         checks.append(_final_error_check(trajectory, position, target, step.error, unit))
     title = f"{position} steps by {step.height:g} {unit}{step.conditions.text()}"
     figures = {"rise time, s": metrics.rise_time(time[k:], y[k:], start, target)}
+    figures |= {f"overshoot {other}, 1": beside, f"settling time {other}, s": late}
     return _experiment(rig, step.name, title, trajectory, {position: course}, figures, checks)
 
 
@@ -187,7 +198,7 @@ def _lift_off(lift_off: LiftOff, rig: Rig) -> Experiment:
     for name, end in lift_off.to.items():
         ramp = Ramp(_first_set_point(rig, name, lift_off.conditions), end, lift_off.ramp_s / 4, lift_off.ramp_s)
         courses[name] = ramp(time)
-    trajectory = _trajectory(rig, duration, courses, lift_off.conditions)
+    trajectory = _trajectory(rig, duration, courses, lift_off.conditions, settled=False)
     for name, end in lift_off.to.items():
         position, unit = _position(rig, name)
         shown[position], begin = courses[name], float(trajectory[position][0])
@@ -244,12 +255,23 @@ def run(rig: Rig, experiments: Sequence[Any], progress: Callable[[str], None]) -
     return runs
 
 
-def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
+def _trajectory(
+    rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions, settled: bool = True
+) -> Trajectory:
+    """Run from the loop's equilibrium; not `settled`, or where the machine rests on a stop, switch it on at rest."""
     time, interface = sample_times(duration_s, rig.period_s), rig.stage.interface
     profiles = conditions.profiles(interface, courses, time)
     forcing = conditions.forcing(rig.plant, interface.disturbances, under.disturbances, time)
-    plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant
-    return replace(rig, plant=plant).run(duration_s, under.start, profiles, **{"forcing": forcing, **under.options})
+    case = rig.stage.cases[under.case] if under.case else {}
+    inputs = {name: value for name, value in case.items() if name in interface.constant_inputs}
+    auxiliaries = conditions.auxiliaries(interface, {**inputs, **under.auxiliaries}, time)
+    parameters = {name: value for name, value in case.items() if name not in inputs} | dict(under.parameters)
+    rig = replace(rig, plant=rig.plant.with_parameters(**parameters))
+    options: dict[str, Any] = {"start": under.start}
+    if settled and rig.may_rest(under.start):
+        options = rig.at_equilibrium(under.start, parameters | {n: float(v[0]) for n, v in auxiliaries.items()})
+    references = rig.set_points_at(under.start) | profiles | auxiliaries
+    return rig.run(duration_s, references=references, **{**options, "forcing": forcing, **under.options})
 
 
 def _set_point(rig: Rig, name: str) -> Any:
@@ -272,14 +294,25 @@ def _resolution(rig: Rig, position: str) -> float:
     return max((s.resolution for s in rig.stage.interface.sensors if position in (s.of, s.name)), default=0.0)
 
 
+def _last(trajectory: Trajectory) -> NDArray[np.bool_]:
+    """Return which samples are in the last part of a run."""
+    return np.asarray(trajectory.time >= (1 - END) * trajectory.time[-1])
+
+
+def _overshoot(y: Array, start: float, end: float) -> float:
+    """Return the overshoot, NaN where the position has not moved or is not finite."""
+    return metrics.overshoot(y, start, end) if np.isfinite(end) and end != start else np.nan
+
+
 def _peak(error: Array) -> float:
     return float(np.abs(error).max()) if error.size else np.nan
 
 
 def _final_error_check(trajectory: Trajectory, position: str, target: float, limit: float, unit: str) -> Check:
-    last = trajectory.time >= (1 - END) * trajectory.time[-1]
     about = f"in the last {100 * END:g} % of the run"
-    return Check(f"|e_{position}| at the end", _peak(trajectory[position][last] - target), limit, unit, about)
+    return Check(
+        f"|e_{position}| at the end", _peak(trajectory[position][_last(trajectory)] - target), limit, unit, about
+    )
 
 
 def _experiment(

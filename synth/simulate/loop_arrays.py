@@ -61,7 +61,7 @@ def controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -
     for name, override in scenario.overrides.items():
         host.fill(inputs, name, override.values, mask(name, override.mask, n))
     outputs, faults = np.zeros(n, controller.outputs), np.zeros(n, np.uint32)
-    return {"state": controller.init(), "in": inputs, "out": outputs, "faults": faults}
+    return {"state": controller.init(scenario.state), "in": inputs, "out": outputs, "faults": faults}
 
 
 def require_sources(controller: host.Controller, scenario: Scenario) -> None:

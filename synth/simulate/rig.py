@@ -12,14 +12,17 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synth.analyse.loops import robustness
 from synth.declare.stage import Stage
 from synth.execute import host
 from synth.plant import Plant
+from synth.signals import signal_names
 from synth.simulate import closed_loop, faulty
 from synth.simulate import drive as drives
 from synth.simulate.scenario import Array, Encoder, Scenario, Trajectory, sample_times
 
 Wires = Mapping[str, str | Mapping[str, float]]
+Values = tuple[tuple[str, float], ...]
 DITHER = 1e-4  # of the declared noise, of an ideal sensor
 
 
@@ -77,6 +80,22 @@ def _first_drive_commands(
         commands = block.step(block.init(), {name: known[name] for name in block.inputs.names or ()}).outputs
         known |= commands
     return {name: float(value) for name, value in commands.items()}
+
+
+@lru_cache(maxsize=64)  # all machines of a study start there
+def _equilibrium(stage: Stage, start: Values, case: Values) -> tuple[dict[str, float], ...]:
+    """Return the plant's states, the controller's and its outputs at the equilibrium of the declared loop."""
+    states = {**stage.start, **dict(start)}
+    loops = replace(robustness.of_stage(replace(stage, operating_points={"start": states})), cases=(dict(case),))
+    rest = robustness.equilibrium_at(loops, "start", dict(case))
+    block = rest.closed.controller
+    at = [
+        [values[s.name] for s in signals]
+        for values, signals in ((rest.state, block.states), (rest.inputs, block.inputs))
+    ]
+    outputs = np.asarray(block.function()(*at)[1]).ravel().tolist()
+    x = dict(zip(rest.point.states, rest.point.x.tolist(), strict=True))
+    return x, dict(rest.state), dict(zip(signal_names(block.outputs), outputs, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,12 +198,14 @@ class Rig:
         """Return the scenario of `run`."""
         interface, start = self.stage.interface, {**self.stage.start, **start}
         n = len(sample_times(duration_s, self.period_s))
-        missed = options.get("missed")
-        counts = 0.0 if missed is None else faulty.missed_counts(missed)
+        constants: dict[str, Any] = dict(self.constant_inputs)
+        missed, calls = options.get("missed"), interface.missed_calls
+        if missed is not None and calls and calls.name in constants:
+            constants[calls.name] = faulty.missed_counts(missed)
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in interface.sensors},
             "actuators": self.connections,
-            "references": dict.fromkeys(self.call_counts, counts) | self.set_points_at(start) | dict(references),
+            "references": constants | self.set_points_at(start) | dict(references),
             "encoders": self._encoders(),
             "noise": self.sensor_noise(n),
             "hold": self._first_commands(start),
@@ -195,6 +216,34 @@ class Rig:
             "substeps": self.stage.substeps,
         }
         return Scenario(duration_s, start, **{**fields, **options})
+
+    def may_rest(self, start: Mapping[str, float]) -> bool:
+        """Tell whether the loop has an equilibrium at `start`: off its stops, with the set-points that it has there.
+
+        A stage that opens its loops itself has a controller that no sample leaves at rest.
+        """
+        states = {**self.stage.start, **start}
+        is_free = all(low < states.get(q, 0.0) < high for q, (low, high) in self.stage.stops.items())
+        asked = self.set_points_at(start)
+        at_home = all(states.get(q, asked[name]) == asked[name] for name, q in self.positions.items())
+        return is_free and at_home and not self.stage.loops
+
+    def at_equilibrium(self, start: Mapping[str, float], case: Mapping[str, float]) -> dict[str, Any]:
+        """Return options of `run` under which the declared loop is in equilibrium, with the plant at or near `start`.
+
+        They are the plant's states, those of the controller and the commands before the first sample. A `case` gives
+        parameters and auxiliary inputs. A machine that differs from the declared one starts there, too.
+
+        Raises ModelError as `robustness.equilibrium_at`.
+        """
+        states, controller, commands = _equilibrium(self.stage, tuple(start.items()), tuple(case.items()))
+        read, written = (struct.names or () for struct in (self.controller.state, self.controller.outputs))
+        hold = {name: value for name, value in commands.items() if name in written}
+        return {
+            "start": {name: value for name, value in states.items() if name in self._states},
+            "state": {name: value for name, value in controller.items() if name in read},
+            "hold": self.drive_commands(states, hold) if self.drive else hold,
+        }
 
     def _first_commands(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return the commands before the first sample: the safe values, through the drive at the initial position."""
@@ -208,7 +257,7 @@ class Rig:
         What else the drive reads of the controller is that of a first sample at rest there.
         """
         known: dict[str, Any] = self._ideal_readings(start)
-        known |= self.set_points_at(start) | self.call_counts
+        known |= self.set_points_at(start) | self.constant_inputs
         return _first_drive_commands(self.controller, self.drive, tuple(known.items()), tuple(commands.items()))
 
     @property
@@ -225,7 +274,7 @@ class Rig:
     def at_rest(self) -> dict[str, float]:
         """Return the controller inputs at the initial state of the stage, with zero plant inputs."""
         start = self.stage.start
-        return self._ideal_readings(start) | self.set_points_at(start) | self.call_counts
+        return self._ideal_readings(start) | self.set_points_at(start) | self.constant_inputs
 
     def set_points_at(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return the set-points of a stage that rests at `start`, the nearest allowed where it rests on a stop.
@@ -240,10 +289,10 @@ class Rig:
         return {s.name: float(np.clip(at.get(positions[s.name], s.initial or 0.0), s.low, s.high)) for s in points}
 
     @property
-    def call_counts(self) -> dict[str, float]:
-        """The number of missed calls while none is missing, for a controller that reads it."""
-        count = self.stage.interface.missed_calls
-        return {count.name: 0.0} if count and count.name in (self.controller.inputs.names or ()) else {}
+    def constant_inputs(self) -> dict[str, float]:
+        """Those of the interface that the controller reads: that of an experiment may be a variant."""
+        read = self.controller.inputs.names or ()
+        return {name: value for name, value in self.stage.interface.constant_inputs.items() if name in read}
 
     def _encoders(self) -> dict[str, Encoder]:
         encoders = {

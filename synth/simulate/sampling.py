@@ -129,7 +129,7 @@ def quantities(rig: Rig) -> tuple[str, ...]:
     """Return the names of what is drawn: parameters with a tolerance, then `offset.NAME` and `gain.NAME` of sensors."""
     sensors = rig.stage.interface.sensors
     return (
-        *(p.name for p in rig.plant.parameters if p.tolerance > 0),
+        *(p.name for p in rig.plant.parameters if p.varies),
         *(_offset(s.name) for s in sensors if s.offset > 0),
         *(_gain(s.name) for s in sensors if s.gain_error > 0),
     )
@@ -162,9 +162,7 @@ def _slices(sampling: Sampling, number: int) -> Array:
 
 def machine(rig: Rig, z: Mapping[str, float], seed: int, row: int) -> Rig:
     """Return the rig of a machine with z by quantity; its sensor noise follows from the seed and the row."""
-    plant = rig.plant.with_parameters(
-        **{p.name: p.value * (1 + p.tolerance * z[p.name]) for p in rig.plant.parameters if p.name in z}
-    )
+    plant = rig.plant.with_parameters(**{p.name: p.at(z[p.name]) for p in rig.plant.parameters if p.name in z})
     noise = int(np.random.default_rng([seed, row, 1]).integers(_NOISE))
     return with_sensor_errors(replace(rig, plant=plant, seed=noise), z)
 

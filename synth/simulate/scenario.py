@@ -171,7 +171,8 @@ class Scenario:
     Every controller input is in `sensors` or in `references` (a constant or one value for each sample). Every plant
     input is in `actuators`, in `forcing`, or in both; forcing is added to the command and is a constant, one value for
     each sample, or a function of the time in s, in the unit of the input. A state that is missing from `x0` is 0,
-    a command that is missing from `hold` is 0 before the first sample, and a sensor that is missing from `encoders` is
+    a command that is missing from `hold` is 0 before the first sample, `state` are states of the controller that differ
+    from those after `init`, and a sensor that is missing from `encoders` is
     ideal. `noise` (N,) is added to the measured quantity before quantisation. `velocities` maps each position that
     `stops` (low, high) and `locked` may name to its velocity. `delay` is in samples.
 
@@ -189,6 +190,7 @@ class Scenario:
     noise: Mapping[str, ArrayLike] = field(default_factory=dict)
     overrides: Mapping[str, Override] = field(default_factory=dict)
     hold: Mapping[str, float] = field(default_factory=dict)
+    state: Mapping[str, float] = field(default_factory=dict)
     forcing: Mapping[str, ArrayLike | Callable[[float], float]] = field(default_factory=dict)
     velocities: Mapping[str, str] = field(default_factory=dict)
     stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -214,7 +216,8 @@ class Trajectory:
     `states` and `outputs` are true values of the plant, before any encoder; `applied` are the plant inputs from t on;
     `measured` are the controller inputs, suitable for `controller.replay`; `commands` are the controller outputs,
     `driven` those of the Blocks of a drive, and `drive_faults` the fault words of each of these Blocks. `faults` are
-    the fault words of the controller without the bits of a status, which `status` has. `impacts` is the largest speed
+    the fault words of the controller without the bits of a status, which `status` has. `initial` are states of the
+    controller before the first sample that differ from those after `init`. `impacts` is the largest speed
     of an impact on each stop. `units` has the unit of each column that is known.
     """
 
@@ -230,6 +233,7 @@ class Trajectory:
     driven: Columns = field(default_factory=dict)
     drive_faults: Mapping[str, NDArray[np.uint32]] = field(default_factory=dict)
     status: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
+    initial: Mapping[str, float] = field(default_factory=dict)
 
     def sheet(self) -> show.Sheet:
         """Return the range of every column and the impacts."""

@@ -20,6 +20,7 @@ MOST_SUBSTEPS = 1024
 def require_consistent(stage: Stage) -> None:
     """Raise SignalError or DesignError for a declaration that does not fit the plant, the interface or itself."""
     _require_known_margins(stage)
+    _require_known_cases(stage)
     _require_all_coordinates(stage)
     _require_operating_points_in_range(stage)
     _require_reachable_stops(stage)
@@ -49,6 +50,31 @@ def _require_known_margins(stage: Stage) -> None:
         raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(MARGINS)}")
     for name in stage.tolerances:
         stage.plant.parameter(name)
+
+
+def _require_known_cases(stage: Stage) -> None:
+    """Raise SignalError for a case with an unknown name, or a value out of range, and for an experiment in none."""
+    ranges = {p.name: (-np.inf, np.inf) for p in stage.plant.parameters}
+    ranges |= {a.name: (a.low, a.high) for a in stage.interface.auxiliaries}
+    for case, values in stage.cases.items():
+        for name, value in values.items():
+            if name not in ranges:
+                raise SignalError(
+                    f"case '{case}' gives '{name}', which is neither a parameter of plant '{stage.plant.name}' nor an "
+                    f"auxiliary input: name some of {', '.join(ranges)}"
+                )
+            low, high = ranges[name]
+            if not (low <= value <= high and np.isfinite(value)):
+                raise SignalError(
+                    f"case '{case}' has {name} = {value:g}, beyond its range of {low:g} .. {high:g}: choose one inside"
+                )
+    for experiment in stage.experiments:
+        conditions = getattr(experiment, "conditions", None)
+        if conditions is not None and conditions.case and conditions.case not in stage.cases:
+            raise SignalError(
+                f"{experiment.name} runs in case '{conditions.case}', which is not declared: name one of "
+                f"{', '.join(stage.cases) or 'none'}, in `cases` of the stage"
+            )
 
 
 def _require_all_coordinates(stage: Stage) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from synth.blocks.guard import missed_calls as calls
 from synth.blocks.guard import safety
-from synth.declare.stage import Actuator, Interface, Sensor, SetPoint
+from synth.declare.stage import Actuator, Auxiliary, Interface, Sensor, SetPoint
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
@@ -30,6 +30,7 @@ def interface(
     missed_calls: float | None = None,
     braking: int = 0,
     good_samples: int = 0,
+    auxiliaries: Sequence[Auxiliary] = (),
 ) -> Interface:
     """Return the interface, completed with the names, units and ranges of the plant's signals.
 
@@ -63,15 +64,16 @@ def interface(
     if idle := [name for name in inputs if name not in driven]:
         raise SignalError(f"plant input '{idle[0]}' is driven by nothing: name it in an actuator or in disturbances")
     signals = [
-        *(_signal(s, outputs[s.of]) for s in done_sensors),
-        *(_signal(s, {**positions, **read}[s.of]) for s in done_set_points),
-        *(_signal(a, inputs[a.of]) for a in done_actuators),
+        *(_signal(s, outputs[s.of].unit) for s in done_sensors),
+        *(_signal(s, {**positions, **read}[s.of].unit) for s in done_set_points),
+        *(_signal(a, a.unit) for a in auxiliaries),
+        *(_signal(a, inputs[a.of].unit) for a in done_actuators),
     ]
     named = dict(zip(signal_names(signals), signals, strict=True))
     return Interface(
         plant, done_sensors, done_set_points, done_actuators, named, tuple(disturbances), delay, bad_samples,
         safe_output_effect, tuple(suspected), None if missed_calls is None else calls.signal(missed_calls),
-        braking, good_samples,
+        braking, good_samples, tuple(replace(a, initial=_initial(a)) for a in auxiliaries),
     )  # fmt: skip
 
 
@@ -115,8 +117,13 @@ def _sensor(sensor: Sensor, of: Signal) -> Sensor:
 
 
 def _set_point(point: SetPoint, of: Signal) -> SetPoint:
-    initial = float(np.clip(0.0, point.low, point.high)) if point.initial is None else point.initial
-    return replace(point, initial=initial, about=point.about or f"set-point of {point.of}")
+    return replace(point, initial=_initial(point), about=point.about or f"set-point of {point.of}")
+
+
+def _initial(declared: SetPoint | Auxiliary) -> float:
+    """Return the value before the first good sample, by default the nearest to 0."""
+    nearest = float(np.clip(0.0, declared.low, declared.high))
+    return nearest if declared.initial is None else declared.initial
 
 
 def _actuator(actuator: Actuator, of: Signal) -> Actuator:
@@ -138,9 +145,9 @@ def _actuator(actuator: Actuator, of: Signal) -> Actuator:
     return replace(actuator, of=of.name, low=low, high=high, about=actuator.about or of.about)
 
 
-def _signal(declared: Sensor | SetPoint | Actuator, of: Signal) -> Signal:
+def _signal(declared: Sensor | SetPoint | Auxiliary | Actuator, unit: str) -> Signal:
     assert declared.low is not None and declared.high is not None
-    return Signal(declared.name, of.unit, declared.low, declared.high, declared.about)
+    return Signal(declared.name, unit, declared.low, declared.high, declared.about)
 
 
 def guarded_inputs(interface: Interface) -> tuple[safety.GuardedInput, ...]:
@@ -148,8 +155,8 @@ def guarded_inputs(interface: Interface) -> tuple[safety.GuardedInput, ...]:
     sensors = [
         safety.GuardedInput(interface.signals[s.name], s.initial or 0.0, True, s.held) for s in interface.sensors
     ]
-    points = [safety.GuardedInput(interface.signals[s.name], s.initial or 0.0, False) for s in interface.set_points]
-    return (*sensors, *points)
+    references = interface.references
+    return (*sensors, *(safety.GuardedInput(interface.signals[s.name], s.initial or 0.0, False) for s in references))
 
 
 def safe(interface: Interface) -> safety.Safety:

@@ -121,21 +121,18 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     return Evidence(stage.name, tuple(agreements), tuple(checks))
 
 
-def loops(stage: Stage) -> robustness.Loops:
-    """Return the loops of a stage at its operating points, with constants rounded as in the emitted C."""
-    return robustness.of_controller(
-        stage.controller,
-        stage.plant,
-        stage.operating_points,
-        scalar=stage.scalar,
-        actuators=stage.wires or None,
-        coordinates=stage.coordinates,
-    )
-
-
 def over_tolerances(stage: Stage) -> robustness.Loops:
-    """Return the loops of a stage for the nominal plant and for the corners of the declared tolerances."""
-    return replace(loops(stage), cases=(robustness.NOMINAL, *robustness.corners(stage.plant, stage.tolerances)))
+    """Return the loops of a stage for the nominal plant and for `varied_cases`."""
+    return replace(robustness.of_stage(stage), cases=(robustness.NOMINAL, *varied_cases(stage)))
+
+
+def varied_cases(stage: Stage) -> list[robustness.Case]:
+    """Return the corners of the tolerances, then each declared case, alone and at the corners of the others."""
+    varied = robustness.corners(stage.plant, stage.tolerances)
+    for case in stage.cases.values():
+        others = [name for name in stage.tolerances if name not in case]
+        varied += [{**case, **corner} for corner in ({}, *robustness.corners(stage.plant, others))]
+    return varied
 
 
 def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str]) -> dict[str, float]:
@@ -146,7 +143,7 @@ def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str])
     stable = not survey.unsolved and all(loop.margins.stable for loop in survey.loops)
     margins = {n: min((loop.margin(n) for loop in survey.loops), default=0.0) for n in names if n != DISK}
     if DISK in names:
-        nominal = loops(stage)
+        nominal = robustness.of_stage(stage)
         disks = [robustness.disk_margins(nominal, point)["both"].lower for point in nominal.points] if stable else [0.0]
         margins[DISK] = min(disks)
     return margins if not survey.unsolved else dict.fromkeys(margins, 0.0)

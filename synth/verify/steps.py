@@ -13,6 +13,7 @@ at_range_ends   the steps in which an output or x_{k+1} reaches, or nearly reach
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -48,13 +49,19 @@ class Steps:
         return Steps(self.name, self.states[chosen], self.inputs[chosen], self.closed_loop)
 
 
-def record(controller: host.Controller, name: str, inputs: Mapping[str, ArrayLike], closed_loop: bool = False) -> Steps:
-    """Return the N steps from `init` under input columns (N,) or constants, with the state before each.
+def record(
+    controller: host.Controller,
+    name: str,
+    inputs: Mapping[str, ArrayLike],
+    closed_loop: bool = False,
+    initial: Mapping[str, float] = MappingProxyType({}),
+) -> Steps:
+    """Return the N steps under input columns (N,) or constants, with the state before each.
 
-    Raises SignalError as `host.Controller.replay`.
+    The first is that after `init`, with `initial` states. Raises SignalError as `recorder.states`.
     """
     n = host.length(inputs)
-    states = recorder.states(controller, inputs)
+    states = recorder.states(controller, inputs, initial)
     return Steps(name, states[:n], controller.records(inputs, n), closed_loop)
 
 

@@ -87,10 +87,13 @@ def sequences(
     controller = rig.controller
     runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY_STEPS)}
     columns: dict[str, dict[str, ArrayLike]] = {
-        name: {**rig.call_counts, **run.measured}  # an experiment's variant of the controller may not read the count
+        name: {
+            **rig.constant_inputs,
+            **run.measured,
+        }  # an experiment's variant of the controller may not read the count
         for name, run in runs.items()
     }
-    loops = [steps.record(controller, name, inputs, closed_loop=True) for name, inputs in columns.items()]
+    loops = [steps.record(controller, name, columns[name], True, run.initial) for name, run in runs.items()]
     return [
         *(steps.thinned(loop, LOOP_STEPS) for loop in loops),
         *excursions(controller, rig.at_rest(), loops, design_steps),

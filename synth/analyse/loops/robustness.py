@@ -24,7 +24,7 @@ from synth.analyse.loops import disk, equilibrium, stability_margins, transfer
 from synth.analyse.loops.equilibrium import Equilibrium, SampledLoop, Wires
 from synth.analyse.loops.stability_margins import Margins
 from synth.check import Check
-from synth.declare.stage import Controller, Interface
+from synth.declare.stage import Controller, Interface, Stage
 from synth.errors import ModelError, NoEquilibriumError, SignalError
 from synth.plant import Plant
 from synth.signals import signal_names
@@ -33,7 +33,7 @@ from synth.timing import Discrete, period
 
 MAX_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
 
-Case = Mapping[str, float]  # parameter values that differ from the nominal ones
+Case = Mapping[str, float]  # values of parameters that differ from the nominal ones, and of auxiliary inputs
 
 
 @arguments.checked
@@ -52,11 +52,12 @@ def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
 
 def _ends(plant: Plant, name: str) -> tuple[float, float]:
     p = plant.parameter(name)
-    if not p.tolerance * abs(p.value):
+    if not p.varies:
         raise SignalError(
-            f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: neither may be 0; set them"
+            f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: neither may be 0; set them, "
+            f"or give both ends in {p.unit}"
         )
-    return p.value * (1 - p.tolerance), p.value * (1 + p.tolerance)
+    return p.at(-1.0), p.at(1.0)
 
 
 NOMINAL: Case = {}
@@ -259,16 +260,29 @@ def of_controller(
     return Loops(closed, interface, dict(points), tuple(cases))
 
 
+def of_stage(stage: Stage) -> Loops:
+    """Return the loops of a stage at its operating points, with constants rounded as in the emitted C."""
+    return of_controller(
+        stage.controller,
+        stage.plant,
+        stage.operating_points,
+        scalar=stage.scalar,
+        actuators=stage.wires or None,
+        coordinates=stage.coordinates,
+    )
+
+
 @arguments.checked
 def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
-    """Return the equilibrium of the loop at an operating point, with some parameters of the plant changed.
+    """Return the equilibrium of the loop at an operating point, with the parameters and auxiliary inputs of a case.
 
-    Raises SignalError for an unknown point; ModelError as `trim_with_free_states` and as `equilibrium.solve`.
+    Raises SignalError for an unknown point or parameter; ModelError as `trim_with_free_states` and
+    `equilibrium.solve`.
     """
     if point not in loops.points:
         raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
-    closed = loops.closed
-    plant = closed.plant.with_parameters(**case) if case else closed.plant
+    closed, constants = loops.closed, loops.interface.constant_inputs
+    plant = closed.plant.with_parameters(**{name: value for name, value in case.items() if name not in constants})
     try:
         trimmed = operating_points.trim_with_free_states(plant, dict(loops.points[point]), list(loops.actuators))
     except ModelError as error:
@@ -278,7 +292,7 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
     values |= zip(signal_names(plant.outputs), outputs, strict=True)
     values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
-    references |= {s.name: 0.0 for s in (loops.interface.missed_calls,) if s}
+    references |= {name: case.get(name, value) for name, value in constants.items()}
     return equilibrium.solve(replace(closed, plant=plant), references, trimmed)
 
 

@@ -54,11 +54,11 @@ CORNERS, SEED = 8, 18  # number of perturbed machines at corners of the toleranc
 
 def plant_number(plant: Plant, i: int) -> Plant:
     """Return the nominal plant for i = 0, otherwise perturbed plant i."""
-    tolerances = {p.name: p.value * p.tolerance for p in plant.parameters if p.tolerance > 0}
-    if i == 0 or not tolerances:
+    varying = [p for p in plant.parameters if p.varies]
+    if i == 0 or not varying:
         return plant
-    changes = dict(zip(tolerances, _s(i, len(tolerances)) * np.array(list(tolerances.values())), strict=True))
-    return plant.with_parameters(**{n: plant.parameter(n).value + float(d) for n, d in changes.items()})
+    s = _s(i, len(varying)).tolist()
+    return plant.with_parameters(**{p.name: p.at(z) for p, z in zip(varying, s, strict=True)})
 
 
 def machine_number(rig: Rig, i: int) -> Rig:

@@ -175,10 +175,10 @@ def _stuck(at: Onset, actuator: str) -> Fields:
 
 
 def _delayed_calls(at: Onset, _: str) -> Fields:
-    sensors = [s.name for s in at.rig.stage.interface.sensors]
-    points = [s.name for s in at.rig.stage.interface.set_points]
+    interface = at.rig.stage.interface
+    points = [s.name for s in interface.references]
     before = {p: Override(at.active, np.roll(at.healthy.measured[p], 1)) for p in points}
-    return {"lags": {s: np.where(at.active, 1, 0) for s in sensors}, "overrides": before}
+    return {"lags": {s.name: np.where(at.active, 1, 0) for s in interface.sensors}, "overrides": before}
 
 
 _EFFECTS: Mapping[str, Mapping[str, Effect]] = {

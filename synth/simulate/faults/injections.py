@@ -76,7 +76,7 @@ def derive(stage: Stage) -> tuple[Injection, ...]:
     interface, durations = stage.interface, stage.faults.durations_s
     targets = {
         SENSOR: [s.name for s in interface.sensors],
-        SET_POINT: [s.name for s in interface.set_points],
+        SET_POINT: [s.name for s in interface.references],
         ACTUATOR: list(_connections(stage)),
         CALLS: ["calls"],
         SENSORS: [AND.join(pair) for pair in sensor_pairs(stage)],

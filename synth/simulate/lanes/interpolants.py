@@ -333,10 +333,8 @@ def _lower(plant: Plant, function: ca.Function, results: Sequence[Signal]) -> Pr
 def _corners(plant: Plant) -> list[Plant]:
     """Return the plant and others at random corners of the tolerances of its parameters."""
     signs = np.random.default_rng(0).choice([-1.0, 1.0], (CORNERS, len(plant.parameters)))
-    tolerance = np.array([q.tolerance for q in plant.parameters])
-    names = signal_names(plant.parameters)
-    values = plant.values * (1 + signs * tolerance)
-    return [plant, *(plant.with_parameters(**dict(zip(names, row.tolist(), strict=True))) for row in values)]
+    rows = [{q.name: q.at(s) for q, s in zip(plant.parameters, row, strict=True)} for row in signs.tolist()]
+    return [plant, *(plant.with_parameters(**row) for row in rows)]
 
 
 def _bounds(plant: Plant, p: Array) -> dict[str, Range]:

@@ -18,7 +18,7 @@ import threading
 import weakref
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache, partial
+from functools import lru_cache, partial
 from importlib import resources
 from typing import Any
 
@@ -248,10 +248,9 @@ class LaneBlock:
         """The Block's name."""
         return str(self.controller.manifest["design"])
 
-    @cached_property
-    def initial(self) -> tuple[list[float], list[float]]:
-        """The real states and the counters after `init`."""
-        state = self.controller.init()
+    def initial(self, changed: Mapping[str, float]) -> tuple[list[float], list[float]]:
+        """Return the real states and the counters after `init`, with those in `changed` replaced."""
+        state = self.controller.init(changed)
         return [float(state[n]) for n in self.rows.reals], [float(state[n]) for n in self.rows.counters]
 
 

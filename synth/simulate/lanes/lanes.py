@@ -183,7 +183,8 @@ class LaneLoop:
         width = np.uint32 if scalar is np.float32 else np.uint64
         rows, last = self.blocks[0].rows.inputs, len(self.blocks) - 1
         commands = list(dict.fromkeys(c for row in _weights(scenario) for c in row))
-        reals, counters = ([v for b in self.blocks for v in b.initial[k]] for k in (0, 1))
+        starts = [b.initial(scenario.state if k == 0 else {}) for k, b in enumerate(self.blocks)]
+        reals, counters = ([v for start in starts for v in start[k]] for k in (0, 1))
         outputs = sum(len(b.rows.outputs) for b in self.blocks)
         inputs, sources = np.nonzero(mixing)
         return {
@@ -235,7 +236,7 @@ class LaneLoop:
         words = {b.name: arrays["faults"][k, lane].astype(np.uint32) for k, b in enumerate(self.blocks)}
         faults = words.pop(self.blocks[0].name)
         mask = self.blocks[0].controller.status_mask
-        trajectory = closed_loop.trajectory(self._units, mask, time, groups, faults, impacts)
+        trajectory = closed_loop.trajectory(self._units, mask, time, groups, faults, impacts, scenario.state)
         masks = {b.name: ~b.controller.status_mask for b in self.blocks}
         return replace(trajectory, drive_faults={name: word & masks[name] for name, word in words.items()})
 
@@ -278,7 +279,7 @@ def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Mapping[str, N
         faulty = [name for name in ("lags", "input_faults") if getattr(scenario, name)]
         if faulty or scenario.missed is not None:
             raise WiringError(f"lanes simulate no {faulty[0] if faulty else 'missed'}: use closed_loop.simulate")
-        scalars = ("duration_s", "delay", "substeps", "sensors", "actuators", "stops", "locked")
+        scalars = ("duration_s", "delay", "substeps", "sensors", "actuators", "stops", "locked", "state")
         differing = [name for name in scalars if getattr(scenario, name) != getattr(first, name)]
         differing += [name for name in (*_SHARED, "mixing") if not _equal(lane.get(name), lanes[0].get(name))]
         if differing:

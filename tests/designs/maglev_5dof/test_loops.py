@@ -11,7 +11,6 @@ from synth.analyse import discretise, operating_points
 from synth.analyse.loops import loop, robustness
 from synth.composition import compose
 from synth.plant import Plant
-from synth.verify import standard
 from tests import tolerances
 
 OpenLoops = dict[tuple[str, int], robustness.OpenLoop]
@@ -39,7 +38,7 @@ MARGINS = {
 
 @pytest.fixture(scope="module")
 def loops() -> robustness.Loops:
-    return standard.loops(DESIGN)
+    return robustness.of_stage(DESIGN)
 
 
 @pytest.fixture(scope="module")

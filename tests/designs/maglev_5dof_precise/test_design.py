@@ -11,7 +11,6 @@ from synth.analyse.loops.disk import DiskMargin
 from synth.app import tasks
 from synth.declare.stage import Stage
 from synth.simulate.experiments import Experiment
-from synth.verify import standard
 
 LEAST_DELAY = 3e-3  # s
 
@@ -37,7 +36,7 @@ def test_the_gains_are_those_of_the_reference() -> None:
 
 def test_every_loop_keeps_its_delay_margin() -> None:
     assert DESIGN is not None
-    loops = robustness.open_loops(standard.loops(DESIGN))
+    loops = robustness.open_loops(robustness.of_stage(DESIGN))
     assert min(loop.margin("delay_margin") for loop in loops) > LEAST_DELAY
 
 
@@ -47,7 +46,7 @@ def disk_margins() -> dict[str, list[dict[str, DiskMargin]]]:
 
     def at_points(design: Stage) -> list[dict[str, DiskMargin]]:
         assert design is not None
-        loops = standard.loops(design)
+        loops = robustness.of_stage(design)
         return [robustness.disk_margins(loops, point) for point in loops.points]
 
     return {design.name: at_points(design) for design in (DESIGN, PAPER)}

@@ -1,0 +1,261 @@
+"""Inputs that are neither reading nor set-point, cases of payloads, and runs that start where the loop rests.
+
+A mass m with a payload on it is lifted by k i. Its law knows the payload by the input `load` and gives
+
+    k i = (m + load) (g + P e + D (v_ff - dz/dt))
+
+so that it rests, with a load that is not the payload, at e = (payload - load) g / ((m + load) P).
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synth import plant as plants
+from synth import stage
+from synth.analyse.loops import robustness
+from synth.app import standard_tasks, verdicts
+from synth.base.progress import silent
+from synth.block import Block, Exprs, State, Step, build
+from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepResponse, Track
+from synth.declare.stage import Stage
+from synth.errors import SignalError
+from synth.export import limits
+from synth.reference import guard
+from synth.signals import Parameter, Signal
+from synth.simulate import experiments, sampling
+from synth.simulate.rig import Rig
+from synth.simulate.sampling import Method, Sampling
+from synth.stage import Actuator, Auxiliary, Sensor, SetPoint
+from synth.timing import Discrete
+from synth.verify import standard
+
+M, K, G, P, D, T = 2.0, 10.0, 9.81, 4e3, 140.0, 1e-3
+PLANT = plants.build(
+    "carrier",
+    [Signal("z", "m", -1e-3, 1e-3), Signal("v", "m/s", -0.5, 0.5)],
+    [Signal("i", "A", 0.0, 8.0)],
+    [Signal("z", "m", -1e-3, 1e-3)],
+    [Parameter("m", M, "kg", 0.05, "weighed"), Parameter("payload", 0.0, "kg", (0.0, 1.0), "of the user")],
+    lambda x, u, p: ({"z": x["v"], "v": K * u["i"] / (p["m"] + p["payload"]) - G}, {"z": x["z"]}),
+)
+CASES = {"loaded": {"payload": 1.0, "load": 1.0}, "unannounced": {"payload": 0.2}}
+LIMITS = {"z": (-1e-3, 1e-3), "z_ref": (-5e-4, 5e-4), "load": (0.0, 1.0), "v_ff": (-0.1, 0.1)}
+
+
+def law(interface: stage.Interface) -> Block:
+    held = [interface.held(name) for name in LIMITS]
+
+    def step(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        velocity = (u["z_held"] - x["before"]) / T
+        acceleration = G + P * (u["z_ref_held"] - u["z_held"]) + D * (u["v_ff_held"] - velocity)
+        return Step({"i_demand": (M + u["load_held"]) * acceleration / K}, {"before": u["z_held"]})
+
+    before = State(Signal("before", "m", -1e-3, 1e-3), 0.0)
+    demand = Signal("i_demand", "A", -60.0, 60.0)
+    return build("lift", Discrete(T), step, inputs=held, states=[before], outputs=[demand], tag="lift")
+
+
+def reference(state: Any, inputs: Any) -> Any:
+    values, after, word = guard.standard(state, inputs, LIMITS, "z", 5)
+    acceleration = (
+        G + P * (values["z_ref"] - values["z"]) + D * (values["v_ff"] - (values["z"] - state["lift_before"]) / T)
+    )
+    i = np.clip((M + values["load"]) * acceleration / K, 0.0, 8.0)
+    latched = after["guard_latched"] > 0
+    out, last = guard.slew(state, {"i": i}, latched, 100.0 * T)
+    return after | guard.frozen(state, {"lift_before": values["z"]}, latched) | last, out, word
+
+
+def carrier(**changed: Any) -> Stage:
+    interface = stage.interface(
+        PLANT,
+        sensors=[Sensor("z", offset=2e-6)],
+        set_points=[SetPoint("z_ref", of="z", low=-5e-4, high=5e-4)],
+        auxiliaries=[Auxiliary("load", "kg", 0.0, 1.0, about="on the carrier"), Auxiliary("v_ff", "m/s", -0.1, 0.1)],
+        actuators=[Actuator("i", safe=0.0, slew_per_s=100.0)],
+        safe_output_effect="the carrier comes down",
+    )
+    fields: dict[str, Any] = {
+        "reference": reference,
+        "operating_points": {"middle": {"z": 0.0}},
+        "cases": CASES,
+        "tolerances": ["m"],
+        "stops": {"z": (-1e-3, 1e-3)},
+        "coordinates": {},
+    }
+    controller = stage.controller("carrier", Discrete(T), interface, [law(interface)])
+    return stage.design(controller, PLANT, **(fields | changed))
+
+
+STAGE = carrier()
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return Rig(STAGE, PLANT, standard_tasks.compiled_controller(STAGE, np.float32))
+
+
+def test_an_auxiliary_input_needs_no_coordinate_and_stands_between_set_points_and_actuators() -> None:
+    assert [s.name for s in STAGE.interface.inputs] == list(LIMITS)
+    assert STAGE.interface.constant_inputs == {"load": 0.0, "v_ff": 0.0}
+    assert carrier(coordinates={"z": {"z": 1.0}}).coordinates
+
+
+def test_a_bad_auxiliary_input_never_latches(rig: Rig) -> None:
+    good = {"z": 0.0, "z_ref": 0.0, "load": 0.5, "v_ff": 0.0}
+    for bad in (np.nan, np.inf, 1.1, -0.1):
+        inputs = {n: np.full(100, v, np.float32) for n, v in good.items()}
+        inputs["load"][10:] = bad
+        replayed = rig.controller.replay(inputs)
+        assert np.ptp(replayed.outputs["i"]) == 0.0 and replayed.outputs["i"][0] == np.float32(2.5 * G / K)
+        assert (replayed.faults[:10] == 0).all() and (replayed.faults[10:] != 0).all()
+        assert not replayed.state["guard_latched"]
+
+
+def test_the_law_is_proved_equal_with_its_auxiliary_inputs() -> None:
+    run = Hold({"z_ref": 1e-6}, duration_s=0.2, after_s=0.1)
+    evidence = standard.verify(replace(STAGE, experiments=[run]), silent, whole=False)
+    assert [c for c in evidence.checks if not c.passed] == [] and len(evidence.checks) > 10
+
+
+def test_margins_are_taken_in_every_case_at_the_corners_of_what_it_leaves_open() -> None:
+    survey = verdicts.survey(STAGE)
+    assert survey is not None and not survey.unsolved
+    cases = [dict(case) for case in dict.fromkeys(tuple(loop.case.items()) for loop in survey.loops)]
+    ends = {"m": 1.9}, {"m": 2.1}
+    expected = [{}, *ends, *({**case, **end} for case in CASES.values() for end in ({}, *ends))]
+    assert cases == [{k: pytest.approx(v) for k, v in each.items()} for each in expected]
+    assert "payload = 1, load = 1, m = 1.9" in next(loop.label for loop in survey.loops if loop.case == cases[4])
+    # The crossover is in proportion to (m + load) / (m + payload): of 2.0, and of 2.0 / 2.2 where it is unannounced.
+    gains = {str(loop.case): loop.margins.gain_margin for loop in survey.loops if loop.signal == "i"}
+    assert gains[str({"payload": 1.0, "load": 1.0})] == pytest.approx(gains["{}"], rel=1e-9)
+    assert gains[str({"payload": 0.2})] == pytest.approx(gains["{}"] * 1.1, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("case", "e"), [({}, 0.0), (CASES["loaded"], 0.0), (CASES["unannounced"], 0.2 * G / (2.0 * P))]
+)
+def test_the_loop_rests_where_the_equations_say(case: dict[str, float], e: float) -> None:
+    rest = robustness.equilibrium_at(robustness.of_stage(STAGE), "middle", case)
+    assert rest.point["i"] == pytest.approx((M + case.get("payload", 0.0)) * G / K, rel=1e-9)
+    assert rest.point["z"] == pytest.approx(-e, abs=1e-9)
+
+
+@pytest.mark.parametrize("case", ["", "loaded", "unannounced"])
+def test_a_run_starts_at_rest_with_its_current(rig: Rig, case: str) -> None:
+    values = CASES.get(case, {})
+    run = experiments.result(Hold({"z_ref": 1e-2}, 0.3, 0.1, Conditions(case=case)), rig).trajectory
+    assert run.applied["i"][0] == pytest.approx((M + values.get("payload", 0.0)) * G / K, rel=1e-6)
+    assert np.ptp(run["z"]) < 1e-9 and np.ptp(run["i"]) < 1e-4 and (run.faults == 0).all()
+    assert (run.measured["load"] == values.get("load", 0.0)).all()
+    after_init = rig.run(0.3)
+    assert np.ptp(after_init["z"]) > 4e-6  # falls by g T^2 / 2 = 5 um in the first sample, without a current
+    peaks = experiments.ratios(rig.controller, run.measured, run.initial)
+    assert peaks["lift_before"] == pytest.approx(abs(run["z"][0]) / 1e-3, abs=1e-6)
+
+
+def test_a_run_from_a_stop_or_from_beyond_the_set_points_is_switched_on_there(rig: Rig) -> None:
+    for start, begun in ((-1e-3, True), (-8e-4, True), (-5e-4, False)):
+        run = experiments.result(Hold({"z_ref": 1.0}, 0.2, 0.1, Conditions(start={"z": start})), rig).trajectory
+        assert (run.applied["i"][0] == 0.0) == begun == (not run.initial)
+    lift = LiftOff({"z_ref": 4e-4}, 0.1, 0.1, 1e-5, Conditions(start={"z": 0.0}))
+    assert experiments.result(lift, rig).trajectory.applied["i"][0] == 0.0
+
+
+def test_a_feedforward_is_a_course_of_an_auxiliary_input(rig: Rig) -> None:
+    course, rate = Sine(2e-4, 60.0), Sine(2e-4 * 60.0, 60.0, np.pi / 2)
+    plain, forward = (
+        experiments.result(Track({"z_ref": course}, 1.0, 1.0, 0.5, Conditions(auxiliaries=courses)), rig)
+        for courses in ({}, {"v_ff": rate})
+    )
+    plain_error, error = (r.checks[0].value for r in (plain, forward))
+    # e / r = (s^2 + D s) / (s^2 + D s + P) without, s^2 / (s^2 + D s + P) with it; the delay adds some
+    s = 60j
+    mean = 2 / np.pi * 2e-4
+    assert plain_error == pytest.approx(mean * abs((s * s + D * s) / (s * s + D * s + P)), rel=0.1)
+    assert error < 1.2 * mean * abs(s * s / (s * s + D * s + P)) < plain_error
+    assert forward.title == "Tracking of z, v_ff acts"
+
+
+def test_the_error_of_a_gauge_is_no_overshoot_to_the_final_value(rig: Rig) -> None:
+    step = StepResponse("z_ref", 2e-5, overshoot=0.01, settling_time_s=0.3, error=3e-6)
+    wrong = replace(rig, offsets={"z": -2e-6})
+    to_set_point, to_final = (experiments.result(replace(step, to_final=f), wrong) for f in (False, True))
+    by_kind = {f: {c.name: c for c in r.checks} for f, r in ((False, to_set_point), (True, to_final))}
+    assert by_kind[False]["overshoot"].value == pytest.approx(0.1, abs=0.005) and not by_kind[False]["overshoot"].passed
+    assert all(c.passed for c in to_final.checks) and by_kind[True]["overshoot"].value < 0.005
+    assert to_set_point.figures["overshoot to the final value, 1"] == by_kind[True]["overshoot"].value
+    assert to_final.figures["settling time to the set-point, s"] == np.inf
+    assert by_kind[True]["|e_z| at the end"].value == pytest.approx(2e-6, rel=1e-3)
+    with pytest.raises(
+        SignalError, match=r"step_z_ref_2e-05: a response to its final value may end anywhere: give `err"
+    ):
+        replace(step, error=None, to_final=True)
+
+
+def test_machines_are_drawn_between_the_ends_of_a_payload(rig: Rig) -> None:
+    names = sampling.quantities(rig)
+    assert names == ("m", "payload", "offset.z")
+    for method, ends in ((Method.UNIFORM, None), (Method.NORMAL, None), (Method.CORNERS, {0.0, 1.0})):
+        z = sampling.draw(Sampling(50, method=method), len(names), range(50))
+        plants_drawn = [sampling.machine(rig, dict(zip(names, row, strict=True)), 0, 1).plant for row in z]
+        drawn = np.array([plant.parameter("payload").value for plant in plants_drawn])
+        assert drawn.min() == 0.0 and drawn.max() <= 1.0 and drawn[0] == 0.0
+        assert ends is None or set(drawn[1:]) == ends
+    lopsided = Parameter("p", 1.0, "kg", (0.5, 3.0), "here")
+    assert [lopsided.at(z) for z in (-1.2, -1, -0.5, 0, 0.5, 1, 1.2)] == [0.5, 0.5, 0.75, 1, 2, 3, 3]
+    assert robustness.corners(PLANT, ["payload"]) == [{"payload": 0.0}, {"payload": 1.0}]
+
+
+@pytest.mark.parametrize("tolerance", [1.0, -0.1, np.nan, 5, (1.0, 2.0), (2.0, 1.0), (-np.inf, 1.0), (0.0, np.nan)])
+def test_a_tolerance_that_cannot_be_meant_is_refused(tolerance: Any) -> None:
+    with pytest.raises(
+        SignalError, match=r"parameter 'p' has value 0.5 and .*: give a finite value, and a share of it"
+    ):
+        Parameter("p", 0.5, "kg", tolerance, "here")
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (
+            {"cases": {"full": {"mass": 1.0}}},
+            "case 'full' gives 'mass', which is neither a parameter of plant 'carrier'",
+        ),
+        ({"cases": {"full": {"load": 2.0}}}, "case 'full' has load = 2, beyond its range of 0 .. 1: choose one inside"),
+        ({"cases": {"full": {"m": np.nan}}}, "case 'full' has m = nan, beyond its range"),
+        (
+            {"experiments": [Hold({"z_ref": 1.0}, conditions=Conditions(case="full"))]},
+            "hold_z_ref runs in case 'full', ",
+        ),
+    ],
+)
+def test_a_case_that_does_not_fit_is_refused_where_it_is_declared(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        carrier(**changed)
+
+
+@pytest.mark.parametrize(
+    ("course", "message"),
+    [
+        ({"lode": 1.0}, "the stage has no auxiliary input 'lode': name one of load, v_ff"),
+        ({"load": 1.5}, "the course of auxiliary input 'load' reaches 1.5 kg; its range is 0 .. 1 kg"),
+    ],
+)
+def test_a_course_that_no_auxiliary_input_takes_is_refused(rig: Rig, course: dict[str, float], message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        experiments.result(Hold({"z_ref": 1.0}, conditions=Conditions(auxiliaries=course)), rig)
+
+
+def test_a_state_that_the_controller_does_not_have_is_refused(rig: Rig) -> None:
+    with pytest.raises(SignalError, match="'carrier' has no state 'lift_after': it has guard_last_z"):
+        rig.run(0.1, state={"lift_after": 1.0})
+
+
+def test_the_exported_loop_takes_auxiliary_inputs_from_its_client(rig: Rig) -> None:
+    least = limits.of_stage(STAGE, rig.positions, rig.at_rest())
+    assert [*least] == ["z_ref", "load", "v_ff"] and rig.at_rest()["load"] == 0.0
+    assert least["load"].speed == 10.0 and least["load"].step == pytest.approx(0.1)  # its range of 1 kg in 0.1 s
