@@ -5,6 +5,7 @@
     Track         moving set-points:          mean |y - r| of the true positions, after the initial transient
     Hold          constant set-points:        max |y - r| under disturbances, after the initial transient
     LiftOff       start at another position:  set-points ramp from there; overshoot / travel, max |y - r| at the end
+    Withstand     motion under effects:       no fault bit, no contact with a stop
     SensorFaults  each sensor fails alone:      samples to its name, to braking and to the latch; commands after it
     Run           what a function of the stage runs
 
@@ -21,11 +22,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synth.declare.effects import Course, Effect
 from synth.errors import SignalError
 from synth.statespace import Array
-
-Course = float | ArrayLike | Callable[[Array], ArrayLike]
-"""A value over time: a constant, one for each sample, or a function of times in s."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ class Conditions:
 
     `start` gives plant states, others are 0; `disturbances` are time profiles of plant inputs that no actuator drives,
     `auxiliaries` of auxiliary inputs; `parameters` are plant parameters that differ from those of the controller
-    design. `case` is the name of one of the stage's, which give both. `options` are further fields of
+    design. `case` is the name of one of the stage's, which give both. `effects` are those that the model lacks. `options` are further fields of
     `scenario.Scenario`.
     """
 
@@ -79,11 +78,15 @@ class Conditions:
     options: Mapping[str, Any] = field(default_factory=dict)
     auxiliaries: Mapping[str, Course] = field(default_factory=dict)
     case: str = ""
+    effects: Sequence[Effect] = ()
 
     def text(self) -> str:
         """Return the conditions as text, each after a comma."""
         changed = [f"{name} = {value:g}" for name, value in {**self.parameters, **self.start}.items()]
-        acting = (f"{name} acts" for name in (*self.disturbances, *self.auxiliaries))
+        acting = [f"{name} acts" for name in (*self.disturbances, *self.auxiliaries)]
+        acting += [
+            " on ".join([type(e).__name__, *([str(e.of)] if getattr(e, "of", "") else [])]) for e in self.effects
+        ]
         return "".join(f", {part}" for part in (*([self.case] if self.case else []), *changed, *acting))
 
 
@@ -179,6 +182,27 @@ class LiftOff:
 
     def __post_init__(self) -> None:
         _require_response(self.name, self.overshoot, ramp_s=self.ramp_s, error=self.error)
+
+    @property
+    def name(self) -> str:
+        """The label."""
+        return self.label
+
+
+@dataclass(frozen=True, eq=False)
+class Withstand:
+    """A motion under what `conditions` lay on the machine, such as effects: no fault bit, and no contact with a stop.
+
+    The motion is that of the fault campaign where `set_points` give none; the run starts at rest at its start.
+    `impacts` {position: speed} are the largest speeds at stops, 0 where there is none; positions without declared stops
+    have them at the ends of the plant's domain.
+    """
+
+    label: str
+    conditions: Conditions
+    duration_s: float = 60.0
+    set_points: Mapping[str, Course] = field(default_factory=dict)
+    impacts: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

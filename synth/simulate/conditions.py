@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from synth.declare.experiments import Course
+from synth.declare.effects import Course
 from synth.declare.stage import Interface, SetPoint
 from synth.errors import SignalError
 from synth.plant import Plant

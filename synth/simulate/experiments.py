@@ -26,12 +26,21 @@ from numpy.typing import ArrayLike, NDArray
 from synth import check, show
 from synth.base.progress import each
 from synth.check import Check, Incomplete, of_error
-from synth.declare.experiments import Conditions, Hold, LiftOff, Ramp, SensorFaults, StepResponse, Track
+from synth.declare.experiments import (
+    Conditions,
+    Hold,
+    LiftOff,
+    Ramp,
+    SensorFaults,
+    StepResponse,
+    Track,
+    Withstand,
+)
 from synth.errors import DesignError, SignalError
 from synth.execute import host, recorder
 from synth.signals import Signal
-from synth.simulate import conditions, metrics
-from synth.simulate.faults import sensor_faults
+from synth.simulate import conditions, effects, metrics
+from synth.simulate.faults import campaign, sensor_faults
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
 
@@ -114,6 +123,7 @@ def with_headroom(
 
 
 BAND = 0.02  # of a step: the usual 2 % of the settling time
+LEAST_SHARE, MOST_SHARE = 1 / 64, 16.0  # of the effects of an experiment
 END = 0.1  # of a run: its last part, in which the final error is measured
 
 
@@ -209,6 +219,51 @@ def _lift_off(lift_off: LiftOff, rig: Rig) -> Experiment:
     return _experiment(rig, lift_off.name, f"Start{lift_off.conditions.text()}", trajectory, shown, {}, checks)
 
 
+def _withstand(declared: Withstand, rig: Rig) -> Experiment:
+    """Run the motion from rest at its start, with a stop for every position."""
+    rig, time = campaign.with_stops(rig), sample_times(declared.duration_s, rig.period_s)
+    courses = conditions.profiles(rig.stage.interface, declared.set_points, time) or campaign.motion(rig, time)
+    under = replace(declared.conditions, start=campaign.start_of(rig, courses) | dict(declared.conditions.start))
+    trajectory = _trajectory(rig, declared.duration_s, courses, under)
+    shown = {rig.positions[name]: course for name, course in courses.items()}
+    figures = {f"largest |e_{q}|": float(np.abs(trajectory[q] - r).max()) for q, r in shown.items()}
+    checks = [
+        Check(
+            f"impact on the stop of {q}", speed, declared.impacts.get(q, 0.0), trajectory.units[rig.stage.velocities[q]]
+        )
+        for q, speed in trajectory.impacts.items()
+    ]
+    title = f"In motion for {declared.duration_s:g} s{under.text()}"
+    return _experiment(rig, declared.name, title, trajectory, shown, figures, checks)
+
+
+def largest_share(rig: Rig, experiment: Any, resolution: float = 0.05) -> tuple[float, str]:
+    """Return the largest share of an experiment's effects under which it keeps its limits, and the check that ends it.
+
+    The share is within a `resolution` of itself, from LEAST_SHARE (0 where that is too much) up to MOST_SHARE, and
+    found by bisection: what fails at a share is taken to fail at all larger ones.
+
+    Raises DesignError for an experiment without effects.
+    """
+    if not getattr(under := getattr(experiment, "conditions", None), "effects", ()):
+        raise DesignError(f"{experiment.name} has no effects: give it Conditions(effects=[...])")
+
+    def failed(share: float) -> str:
+        larger = replace(under, effects=[effect.scaled(share) for effect in under.effects])
+        checks = result(replace(experiment, conditions=larger), rig).checks
+        return next((c.name for c in checks if not c.passed), "")
+
+    low, high, first = 0.0, 1.0, failed(1.0)
+    while not first and high < MOST_SHARE:
+        low, high = high, 2 * high
+        first = failed(high)
+    while first and high - low > resolution * high and high > LEAST_SHARE:
+        middle = (low + high) / 2
+        reason = failed(middle)
+        low, high, first = (low, middle, reason) if reason else (middle, high, first)
+    return (low, first) if first else (high, "")
+
+
 def _sensor_faults(faults: SensorFaults, rig: Rig) -> Experiment:
     """Run each fault in each motion; shown is the run with the largest excursion before the latch."""
     responses = sensor_faults.responses(faults, rig)
@@ -227,6 +282,7 @@ _RUNS: Mapping[type, Callable[[Any, Rig], Experiment]] = {
     Hold: _hold,
     LiftOff: _lift_off,
     SensorFaults: _sensor_faults,
+    Withstand: _withstand,
 }
 
 
@@ -271,6 +327,7 @@ def _trajectory(
     if settled and rig.may_rest(under.start):
         options = rig.at_equilibrium(under.start, parameters | {n: float(v[0]) for n, v in auxiliaries.items()})
     references = rig.set_points_at(under.start) | profiles | auxiliaries
+    rig = effects.with_effects(rig, under.effects) if under.effects else rig
     return rig.run(duration_s, references=references, **{**options, "forcing": forcing, **under.options})
 
 

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from synth.analyse.loops import robustness
+from synth.declare.effects import Course
 from synth.declare.stage import Stage
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import signal_names
-from synth.simulate import closed_loop, faulty
+from synth.simulate import closed_loop, conditions, faulty
 from synth.simulate import drive as drives
 from synth.simulate.scenario import Array, Encoder, Scenario, Trajectory, sample_times
 
@@ -106,7 +107,8 @@ class Rig:
     `actuators` replaces the connections from controller outputs to plant inputs; `disturbance(x, t)` is added to dx/dt.
     `drive` are the compiled Blocks behind the controller; `plant` is then the plant that they drive.
     `offsets` are errors of the sensors' zeros, in their units, `gain_errors` relative ones of their sensitivities.
-    `simulate` runs a scenario.
+    `forcing` are courses of the plant's inputs beside the disturbances; each state in `lagging` {state: input} follows
+    an input, and starts at its first value. `simulate` runs a scenario.
     """
 
     stage: Stage
@@ -120,6 +122,8 @@ class Rig:
     drive: tuple[host.Controller, ...] = ()
     offsets: Mapping[str, float] = field(default_factory=dict)
     gain_errors: Mapping[str, float] = field(default_factory=dict)
+    forcing: Mapping[str, Course] = field(default_factory=dict)
+    lagging: Mapping[str, str] = field(default_factory=dict)
     simulate: Simulate = closed_loop.simulate
 
     @property
@@ -197,7 +201,7 @@ class Rig:
     ) -> Scenario:
         """Return the scenario of `run`."""
         interface, start = self.stage.interface, {**self.stage.start, **start}
-        n = len(sample_times(duration_s, self.period_s))
+        n = len(time := sample_times(duration_s, self.period_s))
         constants: dict[str, Any] = dict(self.constant_inputs)
         missed, calls = options.get("missed"), interface.missed_calls
         if missed is not None and calls and calls.name in constants:
@@ -215,7 +219,14 @@ class Rig:
             "delay": interface.delay,
             "substeps": self.stage.substeps,
         }
-        return Scenario(duration_s, start, **{**fields, **options})
+        fields |= options
+        if self.forcing:
+            fields["forcing"] = fields["forcing"] | {u: conditions.values(c, time) for u, c in self.forcing.items()}
+        for state, name in self.lagging.items():
+            wire = self.connections[name]
+            weights = {wire: 1.0} if isinstance(wire, str) else wire
+            start[state] = sum(weight * fields["hold"].get(c, 0.0) for c, weight in weights.items())
+        return Scenario(duration_s, start, **fields)
 
     def may_rest(self, start: Mapping[str, float]) -> bool:
         """Tell whether the loop has an equilibrium at `start`: off its stops, with the set-points that it has there.

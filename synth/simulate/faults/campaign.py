@@ -160,7 +160,7 @@ def motion_and_standstill(rig: Rig) -> tuple[Condition, ...]:
         return (still,)
     onsets = tuple(first_onset + round(i * campaign.period_s / campaign.onsets / T) for i in range(campaign.onsets))
     duration = onsets[-1] * T + campaign.watch_s
-    courses = _motion(rig, sample_times(duration, T))
+    courses = motion(rig, sample_times(duration, T))
     samples = len(sample_times(rest_s, T))
     courses_at_rest = [_hold(rig, point, samples) for point in campaign.operating_points.values()]
     return (
@@ -191,8 +191,8 @@ def _hold(rig: Rig, operating_point: Values, n: int) -> dict[str, Array]:
     return {name: np.full(n, value) for name, value in operating_point.items()}
 
 
-def _motion(rig: Rig, time: Array) -> dict[str, Array]:
-    """Return the declared motion, or by default a sine about rest for each set-point."""
+def motion(rig: Rig, time: Array) -> dict[str, Array]:
+    """Return the declared motion at times (N,), or by default a sine about rest for each set-point."""
     campaign, points = rig.stage.faults, rig.stage.interface.set_points
     if campaign.motion:
         return conditions.profiles(rig.stage.interface, campaign.motion, time)

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.check import Check
-from synth.declare.experiments import Course, SensorFaults
+from synth.declare.effects import Course
+from synth.declare.experiments import SensorFaults
 from synth.declare.stage import Actuator, Interface
 from synth.errors import SignalError
 from synth.fault import BRAKING_BIT, LATCH_BIT
