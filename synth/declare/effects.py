@@ -132,3 +132,10 @@ class Changed:
 
 
 Effect = Force | Cable | Floor | CurrentLoops | Amplifiers | Mode | Readings | Changed
+
+
+def effect_text(effect: Effect) -> str:
+    """Return the kind of an effect and what it acts on."""
+    of = getattr(effect, "of", ())
+    on = of if isinstance(of, str) else ", ".join(of)
+    return f"{type(effect).__name__} on {on}" if on else type(effect).__name__

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth.declare.effects import Course, Effect
+from synth.declare.effects import Course, Effect, effect_text
 from synth.errors import SignalError
 from synth.statespace import Array
 
@@ -68,8 +68,8 @@ class Conditions:
 
     `start` gives plant states, others are 0; `disturbances` are time profiles of plant inputs that no actuator drives,
     `auxiliaries` of auxiliary inputs; `parameters` are plant parameters that differ from those of the controller
-    design. `case` is the name of one of the stage's, which give both. `effects` are those that the model lacks. `options` are further fields of
-    `scenario.Scenario`.
+    design. `case` is the name of one of the stage's, which give both. `effects` act that the model lacks. `options` are
+    further fields of `scenario.Scenario`.
     """
 
     start: Mapping[str, float] = field(default_factory=dict)
@@ -84,9 +84,7 @@ class Conditions:
         """Return the conditions as text, each after a comma."""
         changed = [f"{name} = {value:g}" for name, value in {**self.parameters, **self.start}.items()]
         acting = [f"{name} acts" for name in (*self.disturbances, *self.auxiliaries)]
-        acting += [
-            " on ".join([type(e).__name__, *([str(e.of)] if getattr(e, "of", "") else [])]) for e in self.effects
-        ]
+        acting += map(effect_text, self.effects)
         return "".join(f", {part}" for part in (*([self.case] if self.case else []), *changed, *acting))
 
 

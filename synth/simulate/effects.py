@@ -81,7 +81,7 @@ def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:
     def inertia(of: str) -> ca.SX:
         if of not in (declared := rig.stage.faults.inertias):
             raise DesignError(
-                f"a force acts on '{of}', whose inertia is not known: give FaultCampaign(inertias={{'{of}': parameter}})"
+                f"a force acts on '{of}', whose inertia is not known: give FaultCampaign(inertias={{'{of}': ...}})"
             )
         return p[[q.name for q in plant.parameters].index(declared[of])]
 

@@ -123,7 +123,7 @@ def with_headroom(
 
 
 BAND = 0.02  # of a step: the usual 2 % of the settling time
-LEAST_SHARE, MOST_SHARE = 1 / 64, 16.0  # of the effects of an experiment
+LEAST_SHARE, MOST_SHARE, SHARE_RESOLUTION = 1 / 64, 16.0, 0.05  # of the effects of an experiment
 END = 0.1  # of a run: its last part, in which the final error is measured
 
 
@@ -226,42 +226,41 @@ def _withstand(declared: Withstand, rig: Rig) -> Experiment:
     under = replace(declared.conditions, start=campaign.start_of(rig, courses) | dict(declared.conditions.start))
     trajectory = _trajectory(rig, declared.duration_s, courses, under)
     shown = {rig.positions[name]: course for name, course in courses.items()}
-    figures = {f"largest |e_{q}|": float(np.abs(trajectory[q] - r).max()) for q, r in shown.items()}
+    units, rates = trajectory.units, rig.stage.velocities
+    figures = {f"largest |e_{q}|, {units[q]}": float(np.abs(trajectory[q] - r).max()) for q, r in shown.items()}
     checks = [
-        Check(
-            f"impact on the stop of {q}", speed, declared.impacts.get(q, 0.0), trajectory.units[rig.stage.velocities[q]]
-        )
+        Check(f"impact on the stop of {q}", speed, declared.impacts.get(q, 0.0), units[rates[q]])
         for q, speed in trajectory.impacts.items()
     ]
     title = f"In motion for {declared.duration_s:g} s{under.text()}"
     return _experiment(rig, declared.name, title, trajectory, shown, figures, checks)
 
 
-def largest_share(rig: Rig, experiment: Any, resolution: float = 0.05) -> tuple[float, str]:
-    """Return the largest share of an experiment's effects under which it keeps its limits, and the check that ends it.
+def largest_share(rig: Rig, experiment: Any) -> dict[str, float]:
+    """Return the largest share of an experiment's effects that keeps its limits, by a name that says which ends it.
 
-    The share is within a `resolution` of itself, from LEAST_SHARE (0 where that is too much) up to MOST_SHARE, and
-    found by bisection: what fails at a share is taken to fail at all larger ones.
-
-    Raises DesignError for an experiment without effects.
+    It is bisected to SHARE_RESOLUTION of itself, from LEAST_SHARE (0 where that is too much) to MOST_SHARE: what fails
+    at a share is taken to fail at all larger ones. The result is empty for an experiment without effects.
     """
-    if not getattr(under := getattr(experiment, "conditions", None), "effects", ()):
-        raise DesignError(f"{experiment.name} has no effects: give it Conditions(effects=[...])")
+    under = getattr(experiment, "conditions", Conditions())
+    if not under.effects:
+        return {}
 
-    def failed(share: float) -> str:
+    def first_failure(share: float) -> str:
         larger = replace(under, effects=[effect.scaled(share) for effect in under.effects])
         checks = result(replace(experiment, conditions=larger), rig).checks
         return next((c.name for c in checks if not c.passed), "")
 
-    low, high, first = 0.0, 1.0, failed(1.0)
+    low, high, first = 0.0, 1.0, first_failure(1.0)
     while not first and high < MOST_SHARE:
         low, high = high, 2 * high
-        first = failed(high)
-    while first and high - low > resolution * high and high > LEAST_SHARE:
+        first = first_failure(high)
+    while first and high - low > SHARE_RESOLUTION * high and high > LEAST_SHARE:
         middle = (low + high) / 2
-        reason = failed(middle)
+        reason = first_failure(middle)
         low, high, first = (low, middle, reason) if reason else (middle, high, first)
-    return (low, first) if first else (high, "")
+    ends = f"until {first}" if first else "within all limits"
+    return {f"largest share of the effects, {ends}": low if first else high}
 
 
 def _sensor_faults(faults: SensorFaults, rig: Rig) -> Experiment:
@@ -293,7 +292,7 @@ def result(experiment: Any, rig: Rig) -> Experiment:
 
 
 def run(rig: Rig, experiments: Sequence[Any], progress: Callable[[str], None]) -> list[Experiment]:
-    """Run experiments on a rig; `progress` receives the name of each before it starts.
+    """Run experiments on a rig, each with the largest share of its effects; `progress` receives its name before.
 
     Raises SignalError for a name that is listed twice, and Incomplete with the runs of the others where some raise.
     """
@@ -303,7 +302,8 @@ def run(rig: Rig, experiments: Sequence[Any], progress: Callable[[str], None]) -
     runs, failed = [], []
     for experiment in each(experiments, progress, lambda e: e.name):
         try:
-            runs.append(result(experiment, rig))
+            finished = result(experiment, rig)
+            runs.append(replace(finished, figures={**finished.figures, **largest_share(rig, experiment)}))
         except Exception as error:
             failed.append(of_error(f"experiment {experiment.name}", error))
     if failed:
