@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from synth.plant import Plant
 from synth.statespace import Array
 
-RAMP_S = 0.5
+RAMP_S = 2.0
 Course = float | ArrayLike | Callable[[Array], ArrayLike]
 """A value over time: a constant, one for each sample, or a function of times in s."""
 

@@ -92,6 +92,7 @@ def examples() -> Mapping[str, Call]:
         "safety.without_latch": {"block": controller.block},
         **_redundancy(maglev),
         "robustness.of_controller": {"controller": controller, "plant": maglev, "points": POINTS},
+        "robustness.of_stage": {"stage": stage.design(controller, maglev, operating_points=POINTS)},
         "robustness.corners": {"plant": maglev, "parameters": ["k"]},
         "robustness.equilibrium_at": {"loops": loops, "point": "middle"},
         "robustness.open_loops": {"loops": loops},

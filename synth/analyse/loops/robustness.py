@@ -260,6 +260,7 @@ def of_controller(
     return Loops(closed, interface, dict(points), tuple(cases))
 
 
+@arguments.checked
 def of_stage(stage: Stage) -> Loops:
     """Return the loops of a stage at its operating points, with constants rounded as in the emitted C."""
     return of_controller(
