@@ -162,25 +162,25 @@ def test_what_lags_starts_where_the_loop_rests(rig: Rig) -> None:
 
 def test_the_largest_share_is_that_of_the_actuator(rig: Rig) -> None:
     """x carries K i2 = 16 N and, at its stop, S times the travel more."""
-    push = Withstand("push", Conditions(effects=[Force("x", -4.0)]), 2.0, {"x_ref": 0.0})
+    push = Withstand("push", Conditions(effects=[Force("x", -4.0)]), 4.0, {"x_ref": 0.0})
     run, shares = experiments.run(rig, [push], lambda _: None)[0], experiments.largest_share(rig, push)
-    assert all(c.passed for c in run.checks) and run.title == "In motion for 2 s, x = 0, Force on x"
+    assert all(c.passed for c in run.checks) and run.title == "In motion for 4 s, x = 0, Force on x"
     (what, share), most = *shares.items(), (K * 2.0 + S * 1e-3) / 4.0
     assert what == "largest share of the effects, until impact on the stop of x"
     assert 0.94 * most <= share <= most and run.figures[what] == share
 
 
 def test_a_share_within_all_limits_and_one_that_is_nothing(rig: Rig) -> None:
-    light, heavy = (Withstand("w", Conditions(effects=[Force("x", f)]), 1.0, {"x_ref": 0.0}) for f in (1e-3, 1e4))
+    light, heavy = (Withstand("w", Conditions(effects=[Force("x", f)]), 3.0, {"x_ref": 0.0}) for f in (1e-3, 1e4))
     assert experiments.largest_share(rig, light) == {"largest share of the effects, within all limits": 16.0}
     assert [*experiments.largest_share(rig, heavy).values()] == [0.0]
     assert experiments.largest_share(rig, Hold({"x_ref": 1e-5})) == {}
 
 
 def test_contact_and_a_fault_bit_fail_what_is_withstood(rig: Rig) -> None:
-    pushed = experiments.result(Withstand("w", Conditions(effects=[Force("x", 40.0)]), 1.0), rig)
+    pushed = experiments.result(Withstand("w", Conditions(effects=[Force("x", 40.0)]), 3.0), rig)
     assert {c.name for c in pushed.checks if not c.passed} >= {"impact on the stop of x"}
-    allowed = Withstand("w", Conditions(effects=[Force("x", 40.0)]), 1.0, impacts={"x": 10.0})
+    allowed = Withstand("w", Conditions(effects=[Force("x", 40.0)]), 3.0, impacts={"x": 10.0})
     assert "impact on the stop of x" not in {c.name for c in experiments.result(allowed, rig).checks if not c.passed}
     flexible = experiments.result(Withstand("w", Conditions(effects=[Mode("z", 180.0, 5e-3, 2.0)]), 1.0), rig)
     assert "samples with a fault bit" in {c.name for c in flexible.checks if not c.passed}
