@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from synth import intermediates, show
 from synth.base import column_maps
 from synth.block import Block
+from synth.fault import Fault
 from synth.verify import agree
 from synth.verify.agree import Columns, Floor, StepResults, Witness
 
@@ -31,6 +32,8 @@ MOSTLY = 0.75  # of the steps: a variable that equals a signal in so many of the
 STEP = 1e-6  # of the range: half the distance of a central difference
 SLOPE = 1e-3  # relative difference of two slopes
 LEAST_SLOPE = 1e-6  # of the largest change that any state or input makes over its range
+LARGEST = float(np.finfo(np.float64).max)
+VARIABLES, VALUES = 5000, 9  # of a witness in Python: columns, and those of one variable, that are kept
 NAMED, RESULTS = 8, 3  # values that a sentence names, and results whose slopes are computed
 FAULTS = "fault word"
 OF_TOOLKIT = "{} differs from the Block that it was made from: a defect of the toolkit or of a compiler, not of the law"
@@ -146,7 +149,10 @@ def localise(
     names = _in_order([k for k, size in differing.items() if size[sample]], signals)
     variables = _variables(by_name[witness], x, u) if witness == "reference" else {}
     equal, meant = _pairs(signals.values, variables)
-    ends = [signals.results[k] for k in names if k in signals.results]
+    distinct = _distinct(names, first)
+    words = int(law.faults[sample]), int(other.faults[sample])
+    bits = [f for f in block.faults if (words[0] ^ words[1]) >> f.bit & 1]
+    ends = [signals.results[k] for k in distinct[:RESULTS] or [f.output for f in bits]]
     path, agreed = _path(block, signals, ends, equal, (x, u))
     reads = {s.element_hash() for k in names if k in signals.results for s in ca.symvar(signals.results[k])}
     read = [n for n in (*u, *x) if block.symbol[n].element_hash() in reads or not reads]
@@ -157,10 +163,10 @@ def localise(
         n: {**u, **x}[n] for n in agreed if n not in whole
     }
     known |= {k: first[k] for k in first if not differing[k][chosen].any()}
-    distinct = _distinct(names, first)
     plain = (worst > 0)[chosen] & calm[chosen]
     notes = [
-        *(_place(block, signals, path, equal, (x, u)) if variables else [OF_TOOLKIT.format(witness)]),
+        *([_place(block, signals, ends[0], names[0], equal, (x, u))] if variables and ends else []),
+        *([] if variables else [OF_TOOLKIT.format(witness)]),
         *(f"'{signals.labels[i]}' is {variables[meant[i]][0]:.9g} as {meant[i]}" for i in path if meant[i]),
         *_of_values(block, distinct, first, second, {**u, **x, **first}, plain if plain.any() else ~plain, witness),
         *(
@@ -168,7 +174,7 @@ def localise(
             for k in distinct[:RESULTS]
             if (text := _terms(k, (second[k] - first[k])[plain], known, plain, witness))
         ),
-        *_of_faults(block, int(law.faults[sample]), int(other.faults[sample]), witness),
+        *_of_faults(block, bits, words, witness),
     ]
     return Disagreement(
         what,
@@ -190,7 +196,7 @@ def _differing(
     outputs, states = agree.differences(law, other, floor, block)
     words = (np.asarray(law.faults) != np.asarray(other.faults)).astype(np.float64)
     sizes = {**outputs, **{f"next {k}": v for k, v in states.items()}, FAULTS: words}
-    return {k: np.where(v > tolerance, np.minimum(v, 1e300), 0.0) for k, v in sizes.items()}
+    return {k: np.where(v <= tolerance, 0.0, np.nan_to_num(v, nan=LARGEST)) for k, v in sizes.items()}
 
 
 def _within_limits(block: Block, results: StepResults) -> NDArray[np.bool_]:
@@ -260,22 +266,40 @@ def _evaluate(block: Block, exprs: Sequence[ca.SX], x: Columns, u: Columns) -> N
 
 
 def _variables(witness: Witness, x: Columns, u: Columns) -> dict[str, NDArray[np.float64]]:
-    """Return the columns (n,) that variables of a witness in Python hold as its functions return, callers first."""
+    """Return the columns (n,) that variables of a witness in Python hold as its functions run, those of callers first.
+
+    A variable that is bound again, as in a loop, has a number behind its name from its second value on.
+    """
     n, columns = len(next(iter(u.values()))), dict[str, NDArray[np.float64]]()
+    bound: dict[FrameType, dict[str, Any]] = {}
 
-    def at_event(frame: FrameType, event: str, _: object) -> None:
-        if event == "return" and intermediates.computes(frame) and _is_of_witness(frame):
-            for variable, held in frame.f_locals.items():
+    def at_line(frame: FrameType, event: str, _: object) -> Any:
+        before = bound.setdefault(frame, {})
+        for variable, held in frame.f_locals.items() if len(columns) < VARIABLES else ():
+            if held is not before.get(variable) or event == "return":  # an item may be put into what is bound already
+                before[variable] = held
                 for name, column in _columns(variable, held, n, intermediates.DEPTH):
-                    columns.setdefault(f"{frame.f_code.co_name}: {name}", column)
+                    _add(columns, f"{frame.f_code.co_name}: {name}", column)
+        return at_line
 
-    profiler = sys.getprofile()
-    sys.setprofile(at_event)
+    def at_call(frame: FrameType, event: str, _: object) -> Any:
+        return at_line if intermediates.computes(frame) and _is_of_witness(frame) else None
+
+    tracer = sys.gettrace()
+    sys.settrace(at_call)
     try:
         witness(x, u)
     finally:
-        sys.setprofile(profiler)
+        sys.settrace(tracer)
     return dict(reversed(columns.items()))
+
+
+def _add(columns: dict[str, NDArray[np.float64]], name: str, column: NDArray[np.float64]) -> None:
+    """Add a column under its name, with a number where that name has other values."""
+    for k in range(1, VALUES + 1):
+        numbered = f"{name} ({k})" if k > 1 else name
+        if np.array_equal(columns.setdefault(numbered, column), column, equal_nan=True):
+            return
 
 
 def _is_of_witness(frame: FrameType) -> bool:
@@ -362,20 +386,21 @@ def _branches_not_taken(block: Block, exprs: Sequence[ca.SX], step: tuple[Column
 
 
 def _place(
-    block: Block, signals: _Signals, path: Sequence[int], equal: Sequence[str], step: tuple[Columns, Columns]
-) -> Iterator[str]:
-    """Yield the sentence that names the first signal without an equal variable, and what agrees before it."""
+    block: Block, signals: _Signals, end: ca.SX, name: str, equal: Sequence[str], step: tuple[Columns, Columns]
+) -> str:
+    """Return the sentence that names the first signal of a result without an equal variable, and what it reads."""
+    path, reads = _path(block, signals, [end], equal, step)
     others = [i for i in path if not equal[i]]
     first = next((i for i in others if signals.blocks[i]), next(iter(others), None))
     if first is None:
-        return
+        agreed = _abbreviation([*(signals.labels[i] for i in path), *reads])
+        return f"every signal on the way to '{name}' has an equal variable of the reference: it reads {agreed}"
     before, reads = _path(block, signals, [signals.exprs[first]], equal, step)
-    agreed = [*(signals.labels[i] for i in before if equal[i]), *reads]
+    agreed = _abbreviation([*(signals.labels[i] for i in before if equal[i]), *reads])
     between = [signals.labels[i] for i in before if i != first and not equal[i]]
     of_block = f" of Block '{signals.blocks[first]}'" if signals.blocks[first] else ""
     nor = f", nor {_abbreviation(between)} before it" if between else ""
-    reads_these = f"{nor}; it reads {_abbreviation(agreed)}"
-    yield f"no variable of the reference equals '{signals.labels[first]}'{of_block}{reads_these}"
+    return f"no variable of the reference equals '{signals.labels[first]}'{of_block}{nor}; it reads {agreed}"
 
 
 def _abbreviation(names: Sequence[str]) -> str:
@@ -402,7 +427,7 @@ def _of_values(
             continue
         nonzero = np.abs(a) > EQUAL * np.max(np.abs(a))
         ratio = b[nonzero] / a[nonzero]
-        if len(ratio) > 1 and np.ptp(ratio) <= EQUAL * abs(ratio[0]):
+        if len(ratio) > 1 and np.isfinite(ratio).all() and np.ptp(ratio) <= EQUAL * abs(ratio[0]):
             yield f"'{k}' of the {witness} is {ratio[0]:.9g} times that of the law in each of {len(b)} steps"
         if not s.low <= b[0] <= s.high:
             yield f"'{k}' of the {witness} is {b[0]:.9g}, outside its range {s.low:.9g} .. {s.high:.9g} {s.unit}"
@@ -410,7 +435,11 @@ def _of_values(
 
 def _terms(name: str, gap: NDArray[np.float64], known: Columns, chosen: NDArray[np.bool_], witness: str) -> str:
     """Return of which one or two signals the difference of a result is a weighted sum in the chosen steps, or ""."""
-    columns = {n: v[chosen] for n, v in known.items() if np.ptp(v[chosen]) > 0} if len(gap) > NAMED else {}
+    columns = (
+        {n: v[chosen] for n, v in known.items() if np.ptp(v[chosen]) > 0}
+        if len(gap) > NAMED and np.isfinite(gap).all()
+        else {}
+    )
     for count in (1, 2):
         for names in combinations(columns, count):
             M = np.array([columns[n] / np.max(np.abs(columns[n])) for n in names]).T
@@ -421,12 +450,13 @@ def _terms(name: str, gap: NDArray[np.float64], known: Columns, chosen: NDArray[
     return ""
 
 
-def _of_faults(block: Block, law: int, other: int, witness: str) -> Iterator[str]:
-    """Yield the bits in which the fault words differ, by the name of their input."""
-    for f in block.faults:
-        if (law ^ other) >> f.bit & 1:
-            by_law, by_other = law >> f.bit & 1, other >> f.bit & 1
-            yield f"bit {f.bit} of the fault word, '{f.output}', is {by_law}, {by_other} by the {witness}"
+def _of_faults(block: Block, bits: Sequence[Fault], words: tuple[int, int], witness: str) -> Iterator[str]:
+    """Yield the bits in which the fault words differ, by the name of their flag, and those of no flag."""
+    for f in bits:
+        by_law = words[0] >> f.bit & 1
+        yield f"bit {f.bit} of the fault word, '{f.output}', is {by_law}, {1 - by_law} by the {witness}"
+    if stray := [k for k in range(32) if words[1] >> k & 1 and k not in [f.bit for f in block.faults]]:
+        yield f"bit {stray[0]} of the fault word of the {witness} is 1, and no flag of '{block.name}' has it"
 
 
 def _slopes(

@@ -131,7 +131,8 @@ def compare(
 
 def _agrees(a: Agreement) -> bool:
     """Return whether an agreement passes its checks."""
-    return max(a.worst, a.state_worst, a.authority_worst or 0.0) <= DOUBLE_TOLERANCE and not a.faults_differ
+    worst = a.worst, a.state_worst, a.authority_worst or 0.0
+    return all(difference <= DOUBLE_TOLERANCE for difference in worst) and not a.faults_differ  # NaN is none
 
 
 def _with_disagreement(a: Agreement, by: Witnesses, stimuli: tuple[Columns, Columns], floor: agree.Floor) -> Agreement:

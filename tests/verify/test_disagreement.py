@@ -115,12 +115,35 @@ DEFECTS = {
     "start": (
         ' * x["guard_ready"]',
         "",
-        [Z_DEMAND, "'next pid_z_v' of the reference less that of the law is +1200 z_error -1200"],
+        [
+            "every signal on the way to 'next pid_z_v' has an equal variable of the reference: it reads z_error",
+            "'next pid_z_v' of the reference less that of the law is +1200 z_error -1200",
+        ],
     ),
     "bad sample of a sensor": (
         'RANGES, "zx", BAD',
         'RANGES, "z", BAD',
         ["equals 'complete' of Block 'guard'; it reads good_x", "bit 31 of the fault word, 'latched', is 1, 0 by the"],
+    ),
+    "bit of the fault word": (
+        "return after | guard.frozen(x, law, latched) | last, out, word",
+        "return after | guard.frozen(x, law, latched) | last, out, word | 128",
+        ["bit 7 of the fault word of the reference is 1, and no flag of 'levitator_pid' has it"],
+    ),
+    "order of the set-points": (
+        '"z_ref": (-5e-4, 5e-4), "x_ref": (-8e-4, 8e-4)',
+        '"x_ref": (-8e-4, 8e-4), "z_ref": (-5e-4, 5e-4)',
+        ["bit 2 of the fault word, 'fault_z_ref', is", "bit 3 of the fault word, 'fault_x_ref', is"],
+    ),
+    "NaN": ("+ d * v", "+ d * v * np.nan", [Z_DEMAND, "'i1' of the reference is nan, outside its range -3 .. 3 A"]),
+    "infinite": (
+        "new = {",
+        "computed[current] = computed[current] / 0.0\n        new = {",
+        [
+            "equals 'i1_computed' of Block 'limits'; it reads i1_demand",
+            "'i1' of the reference is -inf",
+            "outside its range -3 .. 3 A",
+        ],
     ),
 }
 
