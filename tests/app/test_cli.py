@@ -24,6 +24,8 @@ from synth.execute import cross, host
 from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory
 from synth.verify import replays
+from synth.verify.agree import Agreement
+from synth.verify.disagreement import Disagreement, Result
 from synth.verify.proofs import prove
 from synth.verify.suite import Evidence
 from tests import levitator, tools
@@ -69,6 +71,25 @@ def printed(*arguments: str, status: int = 0) -> list[dict[str, Any]]:
     result = RUNNER.invoke(cli.app, [*arguments, "--json"])
     assert result.exit_code == status, (result.output, result.exception)
     return list(json.loads(result.stdout))
+
+
+@pytest.mark.usefixtures("one_design")
+def test_verify_prints_where_a_witness_differs(monkeypatch: pytest.MonkeyPatch) -> None:
+    values, place = {"z": 1e-4}, "no variable of the reference equals 'i1_demand' of Block 'pid_z'"
+    results = (Result("i1", 0.25, 0.25, -0.5),)
+    where = Disagreement("random steps", "reference", 7, values, {"pid_z_v": 2.5}, results, (), (), (place,))
+    agreement = Agreement("reference", "c64", "random steps", 9, 0.75, "i1", 7, 1.0, 0, 0.0, "", None, where)
+    check = Check("random steps: reference against c64", 0.75, 1e-12, "1")
+
+    def differs(of: Stage, report: Progress, whole: bool) -> Evidence:
+        return Evidence(of.name, (agreement,), (check,))
+
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [replace(PID, verify=differs)])
+    said = RUNNER.invoke(cli.app, ["verify"])
+    assert said.exit_code == 1
+    assert all(text in said.stdout for text in (place, "sample 7", "pid_z_v", "-0.5", "0.0001"))
+    (document,) = printed("verify", status=1)
+    assert document["agreements"][0]["disagreement"]["states"] == {"pid_z_v": 2.5}
 
 
 @pytest.mark.usefixtures("one_design")
