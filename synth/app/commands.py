@@ -333,7 +333,7 @@ def emit(name: str, out: Path, scalar: str, fresh: bool, by_casadi: bool = False
     for folder, files in (standard_tasks.with_casadi_c(stage, emitted) if by_casadi else emitted).items():
         write.save(files.files, out / folder)
         say(f"{', '.join(files.files)} in {out / folder}")
-        for line in word_length.summary(files.parts, SCALARS[scalar]):
+        for line in word_length.summary(files.parts, scalar):
             say(line)
     return 0
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from synth.emit.c.expressions import literal
 from synth.emit.program.lower import Node, Program
-from synth.emit.program.operations import LIBM
+from synth.emit.program.operations import LIBM, LIBM_OF_TWO
 from synth.emit.proof.ranges import kinds
 
 WIDTHS = (2, 4, 8)  # doubles in a vector
@@ -166,6 +166,8 @@ VECTOR_OF_CHAINS(vd8, 8, ((vd8){PAIR(0), PAIR(2), PAIR(4), PAIR(6)}))
 #endif
 #define LANE_MATH(v, f) \\
     static inline v v##_##f(v a) { v r; for (int l = 0; l < LANES; l++) r[l] = f(a[l]); return r; }
+#define LANE_MATH_OF_TWO(v, f) \\
+    static inline v v##_##f(v a, v b) { v r; for (int l = 0; l < LANES; l++) r[l] = f(a[l], b[l]); return r; }
 """
 INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 COMPARED = {"lt": "<", "le": "<=", "eq": "==", "ne": "!="}
@@ -222,12 +224,12 @@ def _function(name: str, arguments: str, lines: Sequence[str], program: Program,
 def mathematics(programs: Sequence[tuple[Program, type[np.floating]]]) -> str:
     """Return the functions of libm that the programs call, lane by lane."""
     calls = {
-        (TYPES[scalar][0], f"{n.op}{'f' if scalar is np.float32 else ''}")
+        ("_OF_TWO" if n.op in LIBM_OF_TWO else "", TYPES[scalar][0], f"{n.op}{'f' if scalar is np.float32 else ''}")
         for program, scalar in programs
         for n in program.nodes
-        if n.op in LIBM - {"fabs", "atan2"}
+        if n.op in LIBM - {"fabs"}
     }
-    return "\n".join(f"LANE_MATH({v}, {f})" for v, f in sorted(calls))
+    return "\n".join(f"LANE_MATH{kind}({v}, {f})" for kind, v, f in sorted(calls))
 
 
 def with_horner(program: Program) -> Program:

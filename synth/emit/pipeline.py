@@ -6,6 +6,7 @@
     fault_flags.simplified         truth values: sums and choices of 0 and 1 become logic
     fault_flags.gather             bits that one side of a condition sets are set on that side
     safe.require_safe              proof on the program as written: no division by 0, no argument outside a domain
+    guards.with_shared_guards      a condition for what several arms share, where that proof needs it
     surrogates.replace_functions   surrogates: minimax polynomials for functions of one variable
     guards.without_idle            dead limits by range analysis
     fold.with_constant_products    products of named constants
@@ -41,6 +42,7 @@ from synth.emit.program import layout, lower
 from synth.emit.program.layout import Layout
 from synth.emit.program.lower import Program
 from synth.emit.proof import ranges, safe
+from synth.errors import EmitError
 from synth.signals import product_unit
 
 CERTAIN = 24  # operations that calls do not print again: more lines than a function and its calls need
@@ -118,7 +120,12 @@ def _run_passes(
     composed = _without_certificates(guards.without_idle(program, bounds, scalar))
     program = fault_flags.gather(program)
     proved = ranges.analyse(program, bounds, scalar)
-    safe.require_safe(program, proved, block, scalar)
+    try:
+        safe.require_safe(program, proved, block, scalar)
+    except EmitError:
+        program = guards.with_shared_guards(program)
+        proved = ranges.analyse(program, bounds, scalar)
+        safe.require_safe(program, proved, block, scalar)
     polynomials: tuple[Surrogate, ...] = ()
     if not libm:
         program, polynomials = surrogates.replace_functions(program, proved, scalar, error)

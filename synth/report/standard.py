@@ -16,6 +16,7 @@ import numpy as np
 from synth import show
 from synth.analyse.loops.stability_margins import Margins
 from synth.block import Block
+from synth.emit.proof import word_length
 from synth.emit.write import EmittedCode
 from synth.plant import Plant
 from synth.report import bode, figures, gains_table, page, sections
@@ -173,9 +174,13 @@ def verification(evidence: Evidence, floor: str = "") -> Section:
 
 
 def files(emitted: Mapping[str, EmittedCode]) -> Section:
-    """Return the size and hash of each emitted file, by folder."""
+    """Return the size and hash of each emitted file, by folder, and what the scalar type does to linear dynamics."""
+    changes = [
+        (folder, line) for folder, e in emitted.items() for line in word_length.summary(e.parts, e.manifest["scalar"])
+    ]
+    rounding = [show.Table("Rounding of the linear dynamics", ("folder", "figures"), tuple(changes))] if changes else []
     texts = {f"{folder}/{name}": text for folder, each in emitted.items() for name, text in each.files.items()}
-    return Section(FILES, (sections.files(texts),))
+    return Section(FILES, (sections.files(texts), *rounding))
 
 
 def list_signals(signals: Iterable[Signal]) -> str:

@@ -3,6 +3,7 @@
 It includes random programs, and random states at which to evaluate them.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import inf, nan
@@ -16,14 +17,16 @@ from synth.emit.program.lower import Node, Program
 from synth.emit.proof.ranges import Range
 
 UNARY = ("neg", "fabs", "sq", "twice", "inv", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan")
-UNARY += ("sinh", "cosh", "tanh", "not")
+UNARY += ("sinh", "cosh", "tanh", "not", "expm1", "log1p")
 BINARY = ("add", "sub", "mul", "div", "min", "max", "atan2", "lt", "le", "eq", "ne", "and", "or", "when")
+BINARY += ("fmod", "remainder")
 OFTEN = ("add", "sub", "mul", "le", "lt", "and", "choose", "min", "max", "fabs", "when")
 CUBIC = Polynomial(-2, 2, 0, 1, "none", (0.25, -1.5, 0.0, 0.75), np.float32)
 VANISHING = Polynomial(-2, 2, 0, 1, "none", (0.0, 2.0, -0.3125), np.float32)
 POLYNOMIALS = {"cubic": CUBIC, "vanishing": VANISHING}
 LIBM_UNITS = 3  # simulated error of libm in units in the last place, beyond the rounding of the double: 4 in all
 LIBM = ("exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "atan2")
+LIBM += ("expm1", "log1p")
 _NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2"}
 _PLAIN: dict[str, Callable[..., Any]] = {
     "neg": lambda a: -a,
@@ -45,6 +48,8 @@ _PLAIN: dict[str, Callable[..., Any]] = {
     "and": lambda a, b: a != 0 and b != 0,
     "or": lambda a, b: a != 0 or b != 0,
     "not": lambda a: a == 0,
+    "fmod": np.fmod,
+    "remainder": lambda a, b: type(a)(math.remainder(a, b) if np.isfinite(a) and b != 0 else nan),
 }
 
 

@@ -2,20 +2,23 @@
 
 import ctypes
 from dataclasses import replace
+from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from designs.maglev_5dof import design as maglev
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
-from synth.block import Block
+from synth.block import Block, Step, build
 from synth.emit import lanes, pipeline
 from synth.emit.lanes import Rows
 from synth.execute import compile as host_compiler
 from synth.execute import host
-from synth.signals import signal_names
+from synth.signals import Signal, signal_names
 from synth.simulate.lanes import lane_blocks
+from synth.timing import Discrete
 from tests import levitator
 
 pytestmark = pytest.mark.slow
@@ -75,15 +78,31 @@ def in_lanes(rows: list[np.ndarray], kind: type) -> np.ndarray:
 @pytest.mark.parametrize("name", LOOPS)
 def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
     stage = LOOPS[name]
-    block, error = stage.controller.block, stage.surrogate_error.get(scalar)
-    loaded = host.compile_block(block, scalar, error=error)
+    block = stage.controller.block
     inputs, states = columns(block, scalar, np.random.default_rng(7))
+    assert require_same_bits(block, scalar, stage.surrogate_error.get(scalar), inputs, states) > 3
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_functions_of_two_arguments_have_the_bits_of_the_c(scalar: type) -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        a, b = u["a"], u["b"]
+        return Step({"y": ca.fmod(a, b) + ca.remainder(a, b) + ca.atan2(a, b) + ca.floor(a) + ca.expm1(a / (b + 9))})
+
+    a, b = Signal("a", "1", -9, 9), Signal("b", "1", 0.5, 4)
+    block = build("two", Discrete(1e-3), law, inputs=[a, b], outputs=[Signal("y", "1", -99, 99)])
+    rng = np.random.default_rng(8)
+    inputs = {s.name: rng.uniform(s.low, s.high, N).astype(scalar) for s in (a, b)}
+    require_same_bits(block, scalar, None, inputs, {})
+
+
+def require_same_bits(block: Block, scalar: type, error: float | None, inputs: dict, states: dict) -> int:
+    """Compare lanes with the C from states and inputs (N,) by name; return the number of different fault words."""
+    loaded = host.compile_block(block, scalar, error=error)
     records = np.repeat(loaded.init()[np.newaxis], N)
     for s, column in states.items():
         records[s] = column
     truth = loaded.batch(records, inputs)
-    assert len(np.unique(truth.faults)) > 3
-
     reduced = pipeline.reduce(block.rounded(scalar), scalar, error=error)
     reals, counters = ([s.name for s in block.states if s.integer == whole] for whole in (False, True))
     rows = Rows(signal_names(block.inputs), reals, counters, (), signal_names(block.outputs))
@@ -108,12 +127,13 @@ def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
     arguments = [array.ctypes.data_as(ctypes.c_void_p) for array in (x, c, z, numbers, y, faults)]
     library.run(ctypes.c_long(N // LANES), *arguments)
 
-    def column(table: np.ndarray, k: int) -> np.ndarray:
+    def row(table: np.ndarray, k: int) -> np.ndarray:
         return np.ascontiguousarray(table[:, k, :]).ravel()
 
     assert np.array_equal(faults.ravel(), truth.faults)
     for k, output in enumerate(rows.outputs):
-        assert column(y, k).tobytes() == truth.outputs[output].tobytes(), output
+        assert row(y, k).tobytes() == truth.outputs[output].tobytes(), output
     for table, names in ((x, reals), (c, counters)):
         for k, state in enumerate(names):
-            assert np.array_equal(column(table, k), truth.states[state], equal_nan=True), state
+            assert np.array_equal(row(table, k), truth.states[state], equal_nan=True), state
+    return len(np.unique(truth.faults))

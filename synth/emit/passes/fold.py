@@ -8,6 +8,7 @@
     intervals       -h <= x && x <= h  is  |x| <= h, also for NaN
     constants       k1 (k2 x) = (k1 k2) x for named constants, the product rounded to the scalar type once
     divisions       a / d and b / d, or 1/d: one reciprocal, and products
+    comparisons     y + e < x  is  e < x - y  where x - y is an argument that the condition may guard
 
 Numbers are folded in double and rounded once, when they are printed.
 """
@@ -15,6 +16,7 @@ Numbers are folded in double and rounded once, when they are printed.
 import operator
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import permutations
 
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LOGICAL
@@ -222,7 +224,7 @@ _RULES: dict[str, Callable[..., int | None]] = {
 
 def folded(p: Program) -> Program:
     """Return a program that computes the same values, up to rounding, with fewer operations."""
-    return _share_divisions(_rebuild(p, lambda f, node, _: f.make(node)))
+    return _compare_differences(_share_divisions(_rebuild(p, lambda f, node, _: f.make(node))))
 
 
 def with_constant_products(p: Program) -> Program:
@@ -290,3 +292,34 @@ def _share_divisions(p: Program) -> Program:
         return inverse if number == 1 else f.place(Node("mul", (top, inverse)))
 
     return _rebuild(p, make)
+
+
+def _compare_differences(p: Program) -> Program:
+    """Compare a difference x - y itself where it is the argument of an operation that is not defined for all."""
+    guarded = [p.nodes[a].args for n in p.nodes if n.op in _GUARDED for a in n.args[-1:] if p.nodes[a].op == "sub"]
+    f = Folder()
+    index: list[int] = []
+    for node in p.nodes:
+        terms = [*_terms(p, node.args[1], 1), *_terms(p, node.args[0], -1)] if node.op in ("lt", "le") else []
+        index.append(f.place(node.renumbered(index)))
+        for (x, plus), (y, minus), (e, sign) in permutations(terms, 3) if len(terms) == 3 else ():
+            if plus == 1 and minus == -1 and not {(x, y), (y, x)}.isdisjoint(guarded):
+                x_, y_, e_ = index[x], index[y], index[e]
+                if (x, y) in guarded:
+                    sides = (e_ if sign < 0 else f.make(Node("neg", (e_,))), f.place(Node("sub", (x_, y_))))
+                else:
+                    sides = (f.place(Node("sub", (y_, x_))), e_ if sign > 0 else f.make(Node("neg", (e_,))))
+                index[-1] = f.place(Node(node.op, sides))
+                break
+    return p.with_nodes(tuple(f.nodes), index)
+
+
+_GUARDED = ("div", "inv", "sqrt", "log")
+
+
+def _terms(p: Program, k: int, sign: int) -> list[tuple[int, int]]:
+    """Return the terms of a sum or a difference of two, with their signs."""
+    node = p.nodes[k]
+    if node.op not in ("add", "sub"):
+        return [(k, sign)]
+    return [(node.args[0], sign), (node.args[1], sign if node.op == "add" else -sign)]

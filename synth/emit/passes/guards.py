@@ -12,10 +12,13 @@ later word than the one that it names.
 Rate limits: max(min(target, last + step), last - step) becomes one node `slew` of (last, target, step).
 
 Elimination of limits that never act, as proved by range analysis or by a certificate of the author.
+
+A value that several arms use, q = 1 / x in (a ? q : 0) + (b ? 2 q : 0), is computed where one of them is: a || b.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 
@@ -23,8 +26,11 @@ from synth.emit.passes import fold
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LIBM
-from synth.emit.proof import ranges
-from synth.emit.proof.bisection import SELECTIONS
+from synth.emit.proof import conditions, ranges
+from synth.emit.proof.bisection import SELECTIONS, structure
+from synth.emit.proof.safe import Guard
+
+MOST_USES = 8  # arms of which a shared value knows the conditions
 
 
 def slewed(p: Program) -> Program:
@@ -116,6 +122,51 @@ def _extreme(args: tuple[int, ...], sides: list[ranges.Range], least: bool) -> i
 
 def _below(a: ranges.Range, b: ranges.Range) -> bool:
     return a.high < b.low or a.high == b.low != 0
+
+
+def with_shared_guards(p: Program) -> Program:
+    """Return the program with a choice for each operation with an obligation that arms without a common guard use."""
+    ancestors, uses = structure(p).ancestors, _uses(p)
+    guards = {
+        k: uses[k]
+        for k, node in enumerate(p.nodes)
+        if conditions.of(node.op, 1) and len(uses[k]) > 1 and not frozenset.intersection(*uses[k])
+        if not any(ancestors[c] >> k & 1 for use in uses[k] for c, _ in use)
+    }
+    f, index, waiting = fold.Folder(), dict[int, int](), [*range(len(p.nodes))][::-1]
+    while waiting:
+        k = waiting[-1]
+        needs = [*p.nodes[k].args, *sorted(c for use in guards.get(k, ()) for c, _ in use)]
+        if missing := [a for a in needs if a not in index]:
+            waiting += missing
+            continue
+        waiting.pop()
+        index[k] = index.get(k, f.place(p.nodes[k].renumbered(index)))
+        if k in guards and f.nodes[index[k]].op != "choose":
+            holds = {
+                (c, side): index[c] if side else f.make(Node("not", (index[c],))) for u in guards[k] for c, side in u
+            }
+            sides = sorted(
+                reduce(lambda a, b: f.make(Node("and", (a, b))), [holds[g] for g in sorted(use)]) for use in guards[k]
+            )
+            condition = reduce(lambda a, b: f.make(Node("or", (a, b))), sides)
+            index[k] = f.place(Node("choose", (condition, index[k], f.literal(0.0))))
+    return p.with_nodes(tuple(f.nodes), [index[k] for k in range(len(p.nodes))])
+
+
+def _uses(p: Program) -> list[set[frozenset[Guard]]]:
+    """Return for each node the sets of conditions under each of which it is used, none of which contains another."""
+    uses: list[set[frozenset[Guard]]] = [set() for _ in p.nodes]
+    for k in p.ends():
+        uses[k] = {frozenset()}
+    for k in range(len(p.nodes) - 1, -1, -1):
+        node = p.nodes[k]
+        for position, a in enumerate(node.args):
+            chosen = {(node.args[0], position == 1)} if node.op in SELECTIONS and position > 0 else set[Guard]()
+            all_uses = uses[a] | {use | chosen for use in uses[k]}
+            uses[a] = {use for use in all_uses if not any(other < use for other in all_uses)}
+            uses[a] = uses[a] if len(uses[a]) <= MOST_USES else {frozenset.intersection(*uses[a])}
+    return uses
 
 
 @dataclass(frozen=True)

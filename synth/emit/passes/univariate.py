@@ -17,13 +17,14 @@ from dataclasses import dataclass
 import flint
 
 from synth.emit.program.lower import Program
+from synth.emit.program.operations import LIBM, LIBM_OF_TWO
 from synth.emit.proof.ranges import Range
 from synth.errors import EmitError
 
 Analytic = Callable[[flint.acb], flint.acb]
 Key = tuple[tuple[str, tuple[int, ...], float], ...]
 
-TRANSCENDENTAL = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "sinh", "cosh", "tanh"})
+TRANSCENDENTAL = LIBM - LIBM_OF_TWO - {"sqrt", "fabs"}
 _NUMBERS = frozenset({"literal", "constant"})
 _NOT_ANALYTIC = flint.acb("nan")
 
@@ -224,10 +225,12 @@ _COMPLEX: dict[str, Callable[..., flint.acb]] = {
     "div": lambda a, b: a / b,
     "sqrt": lambda a: a.sqrt(analytic=True),
     "log": lambda a: a.log(analytic=True),
+    "log1p": lambda a: (1 + a).log(analytic=True),
     "asin": lambda a: a.asin() if _off_branch_cut(a.real, a.imag) else _NOT_ANALYTIC,
     "acos": lambda a: a.acos() if _off_branch_cut(a.real, a.imag) else _NOT_ANALYTIC,
     "atan": lambda a: a.atan() if _off_branch_cut(a.imag, a.real) else _NOT_ANALYTIC,
     **{
-        name: (lambda a, name=name: getattr(a, name)()) for name in ("exp", "sin", "cos", "tan", "sinh", "cosh", "tanh")
+        name: (lambda a, name=name: getattr(a, name)())
+        for name in ("exp", "expm1", "sin", "cos", "tan", "sinh", "cosh", "tanh")
     },
 }

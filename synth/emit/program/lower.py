@@ -1,7 +1,15 @@
 """Lowering: from a Block's CasADi expressions to a straight-line program in SSA form, in CasADi's order of computation.
 
 Common subexpressions are eliminated first. Marks record the intermediate signals of the composition. CasADi's pair of
-`if_else_zero` and a negated condition becomes a single choice again. The fault word is built bit by bit.
+`if_else_zero` and a negated condition becomes a single choice again. The fault word is built bit by bit. Operations
+without a form in C are written out:
+
+    sign(x)         1 if 0 < x, else (-1 if x < 0, else 0)
+    floor(x)        -(n + 1 if n < -x, else n) with n the whole part of -x, for x < 0; C truncates others
+    ceil(x)         -floor(-x)
+    copysign(x, y)  -|x| if y < 0, else |x|: a zero has no sign
+    hypot(x, y)     sqrt(x^2 + y^2)
+    x^e             products, roots and a reciprocal for a multiple e of 1/2, else exp(e log(x))
 
 NumPy evaluation of programs: the value of each node for arrays of loads, in double.
 """
@@ -9,6 +17,7 @@ NumPy evaluation of programs: the value of each node for arrays of loads, in dou
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
+from math import log, remainder
 from typing import Any
 
 import casadi as ca
@@ -227,34 +236,91 @@ def walk(
 
     Raises EmitError for an operation in neither of the two sets, and for a call of a function that is not a table.
     """
-    nodes: list[Node] = []
+    nodes = _Nodes()
     terms = f.instructions_sx()
     slot: dict[int, int] = {}
     results: list[int] = []
-    known: dict[Node, int] = {}
-
-    def add(node: Node) -> int:
-        if node not in known:
-            known[node] = len(nodes)
-            nodes.append(node)
-        return known[node]
-
     for k in range(f.n_instructions()):
         op, i, o = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
         if op == ca.OP_OUTPUT:
             results.append(slot[i[0]])
         elif op == ca.OP_INPUT:
             kind, name = loads[i[1]]
-            slot[o[0]] = add(Node(kind, name=name))
+            slot[o[0]] = nodes.place(Node(kind, name=name))
         elif op == ca.OP_CONST:
-            slot[o[0]] = add(Node("literal", value=f.instruction_constant(k)))
+            slot[o[0]] = nodes.place(Node("literal", value=f.instruction_constant(k)))
         elif op == ca.OP_CALL:
             called = terms[k].which_function()
             _add_table(called, tables, [name for _, name in loads])
-            slot[o[0]] = add(Node("table", (slot[i[0]],), name=called.name()))
+            slot[o[0]] = nodes.place(Node("table", (slot[i[0]],), name=called.name()))
         else:
-            slot[o[0]] = add(_operation(op, tuple(slot[a] for a in i), nodes, unary, binary))
+            args = tuple(slot[a] for a in i)
+            written_out = None if op in unary or op in binary else _WRITTEN_OUT.get(op)
+            node = written_out(nodes, *args) if written_out else _operation(op, args, nodes, unary, binary)
+            slot[o[0]] = nodes.place(node)
     return nodes, results
+
+
+class _Nodes(list[Node]):
+    """Nodes in the order of computation, each once."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.known: dict[Node, int] = {}
+
+    def place(self, node: Node) -> int:
+        if node not in self.known:
+            self.known[node] = len(self)
+            self.append(node)
+        return self.known[node]
+
+    def put(self, op: str, *args: int) -> int:
+        return self.place(Node(op, args))
+
+    def number(self, value: float) -> int:
+        return self.place(Node("literal", value=value))
+
+
+def _sign(p: _Nodes, x: int) -> Node:
+    zero, one, minus_one = (p.number(v) for v in (0.0, 1.0, -1.0))
+    return Node("choose", (p.put("lt", zero, x), one, p.put("choose", p.put("lt", x, zero), minus_one, zero)))
+
+
+def _floor(p: _Nodes, x: int) -> Node:
+    size = p.put("neg", x)
+    whole = p.put("floor", size)
+    down = p.put("neg", p.put("add", whole, p.put("lt", whole, size)))
+    return Node("choose", (p.put("lt", x, p.number(0.0)), down, p.put("floor", x)))
+
+
+def _copysign(p: _Nodes, x: int, y: int) -> Node:
+    size = p.put("fabs", x)
+    return Node("choose", (p.put("lt", y, p.number(0.0)), p.put("neg", size), size))
+
+
+def _power(p: _Nodes, x: int, e: int) -> Node:
+    halves = 2 * p[e].value
+    if p[e].op != "literal" or halves != int(halves) or not 0 < abs(halves) <= MOST_HALVES:
+        logarithm = p.number(log(p[x].value)) if p[x].op == "literal" and p[x].value > 0 else p.put("log", x)
+        return Node("exp", (p.put("mul", e, logarithm),))
+    product, square, n = p.put("sqrt", x) if halves % 2 else p.number(1.0), x, int(abs(halves)) // 2
+    while n:
+        product = p.put("mul", product, square) if n % 2 else product
+        square, n = p.put("sq", square) if n > 1 else square, n // 2
+    return Node("inv", (product,)) if halves < 0 else p[product]
+
+
+MOST_HALVES = 64  # in an exponent that becomes products
+WRITTEN_OUT = ("ceil", "copysign", "floor", "hypot", "pow", "sign")
+_WRITTEN_OUT: dict[int, Callable[..., Node]] = {
+    ca.OP_SIGN: _sign,
+    ca.OP_FLOOR: _floor,
+    ca.OP_CEIL: lambda p, x: Node("neg", (p.place(_floor(p, p.put("neg", x))),)),
+    ca.OP_COPYSIGN: _copysign,
+    ca.OP_HYPOT: lambda p, x, y: Node("sqrt", (p.put("add", p.put("sq", x), p.put("sq", y)),)),
+    ca.OP_POW: _power,
+    ca.OP_CONSTPOW: _power,
+}
 
 
 def _add_table(called: ca.Function, tables: dict[str, tuple[float, ...]], used_names: Sequence[str]) -> None:
@@ -274,7 +340,7 @@ def _operation(
     if op in unary:
         return Node(unary[op], args[:1])
     if op not in binary:
-        known = ", ".join(sorted({*unary.values(), *binary.values()}))
+        known = ", ".join(sorted({*unary.values(), *binary.values(), *WRITTEN_OUT}))
         called = next((n for n, value in vars(ca).items() if n.startswith("OP_") and value == op), f"number {op}")
         raise EmitError(f"operation {called} of CasADi cannot be emitted as C: write the expression with {known}")
     if op == ca.OP_ADD:
@@ -329,8 +395,12 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "acos": np.arccos,
     "atan": np.arctan,
     "atan2": np.arctan2,
-    **{name: getattr(np, name) for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "sinh", "cosh", "tanh")},
-    **{name: getattr(np, name) for name in ("fabs", "floor")},
+    "remainder": np.vectorize(remainder, otypes=[np.float64]),
+    **{
+        name: getattr(np, name)
+        for name in ("exp", "expm1", "log", "log1p", "sqrt", "sin", "cos", "tan", "sinh", "cosh")
+    },
+    **{name: getattr(np, name) for name in ("tanh", "fabs", "floor", "fmod")},
 }
 
 

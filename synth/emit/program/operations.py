@@ -19,7 +19,8 @@ UNARY = {
     ca.OP_COSH: "cosh",
     ca.OP_TANH: "tanh",
     ca.OP_FABS: "fabs",
-    ca.OP_FLOOR: "floor",
+    ca.OP_EXPM1: "expm1",
+    ca.OP_LOG1P: "log1p",
     ca.OP_INV: "inv",
     ca.OP_NOT: "not",
 }
@@ -31,6 +32,8 @@ BINARY = {
     ca.OP_FMIN: "min",
     ca.OP_FMAX: "max",
     ca.OP_ATAN2: "atan2",
+    ca.OP_FMOD: "fmod",
+    ca.OP_REMAINDER: "remainder",
     ca.OP_LT: "lt",
     ca.OP_LE: "le",
     ca.OP_EQ: "eq",
@@ -40,8 +43,8 @@ BINARY = {
     ca.OP_IF_ELSE_ZERO: "when",
 }
 LOOKUP = (ca.OP_CONST, ca.OP_INPUT, ca.OP_GETNONZEROS_PARAM, ca.OP_OUTPUT)  # the instructions of a `block.table`
-# Operations that need libm.
-LIBM = frozenset(
-    {"exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "fabs", "atan2"}
-)
+# Operations that need libm. Those of two arguments except atan2 are exact in every libm.
+LIBM_OF_TWO = frozenset({"atan2", "fmod", "remainder"})
+LIBM = LIBM_OF_TWO | {"exp", "expm1", "log", "log1p", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "fabs"}
+LIBM |= {"sinh", "cosh", "tanh"}
 LOGICAL = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})

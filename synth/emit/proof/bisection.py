@@ -3,7 +3,7 @@
     box = low..high (d,) -> cells -> the claim holds on a cell, or the cell is halved along its most influential side
 
 Meanwhile the centre of every open cell is evaluated. The search ends at a point where the claim fails, or at two points
-between which the quantity that must not vanish changes its sign.
+between which the quantity that must not vanish passes through 0. A jump over 0 is none.
 
 Properties of a program that the proofs need: what depends on what, what is whole, what may stay unrounded.
 """
@@ -110,7 +110,8 @@ def _places(bits: int) -> tuple[int, ...]:
 BUDGET = 20_000
 _CORNERS = 8  # largest dimension for which all corners are evaluated
 _SECTIONS = 64
-_VANISHING_RATIO = 1e-3  # to the larger value at the ends: a quantity that jumps over 0 stays larger
+_JUMPS = 4  # changes of sign that are jumps, after which no further one is sought
+_STEEP = 16  # times the median of the steps near a change of sign: a larger one is a jump
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,13 +135,14 @@ Judge = Callable[[Array, Array, bool], Judgement]
 class Verdict:
     """Whether the claim is proved, with the hull of the watched intervals; else the worst cell and a point (d,) in it.
 
-    `fails`: the claim fails at the point, or the quantity changes its sign there.
+    `fails`: the claim fails at the point. `crosses`: the quantity passes through 0 beside it, between two numbers.
     """
 
     proved: bool
     cells: int
     hull: dict[int, Interval] = field(default_factory=dict)
     fails: bool = False
+    crosses: bool = False
     low: Array = field(default_factory=lambda: np.zeros(0))
     high: Array = field(default_factory=lambda: np.zeros(0))
     point: Array = field(default_factory=lambda: np.zeros(0))
@@ -155,7 +157,7 @@ def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budg
     weight = _weights(low, high, judge)
     low, high = low[:, None], high[:, None]
     points = _corners(low, high, whole)
-    cells, hulls, signs = 0, list[dict[int, Interval]](), dict[bool, Array]()
+    cells, jumps, hulls, signs = 0, 0, list[dict[int, Interval]](), dict[bool, Array]()
     while True:
         judgement = judge(low, high, False)
         cells += low.shape[1]
@@ -169,8 +171,11 @@ def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budg
         if worst.fails:
             return worst
         signs |= {side: points[:, mask.argmax()] for side, mask in _sides(at_points) if mask.any()}
-        if signed and len(signs) == 2 and (crossing := _crossing(signs, judge)):
-            return Verdict(False, cells, {}, True, crossing[0], crossing[0], *crossing)
+        if signed and len(signs) == 2 and jumps < _JUMPS:
+            jumps += 1
+            if crossing := _crossing(signs, judge):
+                point, value = crossing
+                return Verdict(False, cells, {}, value == 0, value != 0, point, point, point, value)
         open_ = (high > low).any(axis=0)
         if not open_.all() or cells + 2 * low.shape[1] > budget:
             return worst
@@ -232,27 +237,28 @@ def _worst(at_points: Judgement, points: Array, low: Array, high: Array, cells: 
     if at_points.fails.any():
         k = int(np.where(at_points.fails, at_points.value, inf).argmin())
         at = points[:, k]
-        return Verdict(False, cells, {}, True, at, at, at, float(at_points.value[k]))
+        return Verdict(False, cells, {}, True, False, at, at, at, float(at_points.value[k]))
     value = at_points.value[-low.shape[1] :]
     k = int(np.where(np.isnan(value), inf, np.abs(value)).argmin())
-    return Verdict(False, cells, {}, False, low[:, k], high[:, k], points[:, k - low.shape[1]], float(value[k]))
+    return Verdict(False, cells, {}, False, False, low[:, k], high[:, k], points[:, k - low.shape[1]], float(value[k]))
 
 
 def _crossing(signs: dict[bool, Array], judge: Judge) -> tuple[Array, float] | None:
-    """Return a point between two points where the value crosses 0, and the value there; None if it jumps."""
+    """Return a point between two points beside which the value passes through 0, and its value; None if it jumps."""
     ends = [signs[False].astype(np.float64), signs[True].astype(np.float64)]
-    span, first, last = ends[1] - ends[0], 0.0, 1.0
-    size: float | None = None
+    span, first, last, is_jump = ends[1] - ends[0], 0.0, 1.0, True
     while True:
         t = np.linspace(first, last, _SECTIONS)
         points = (ends[0][:, None] + span[:, None] * t).astype(signs[True].dtype)
         value = judge(points, points, True).value
-        size = np.abs(value[[0, -1]]).max() if size is None else size
-        k = int(np.nanargmin(np.abs(value)))
-        sign_change = int((value >= 0).argmax())
-        if sign_change == 0 or np.isnan(value).any():
+        k = int(np.abs(value).argmin())
+        change = int((value >= 0).argmax())
+        if change == 0 or np.isnan(value).any():
             return None
-        bracket = (t[sign_change - 1], t[sign_change])
+        bracket = (t[change - 1], t[change])
         if value[k] == 0 or not bracket[1] - bracket[0] < last - first or bracket[1] - bracket[0] < 1e-17:
-            return (points[:, k], float(value[k])) if abs(value[k]) <= _VANISHING_RATIO * size else None
+            return None if is_jump and value[k] != 0 else (points[:, k], float(value[k]))
+        if len(np.unique(points, axis=1).T) == _SECTIONS:
+            steps = np.abs(np.diff(value))
+            is_jump = bool(steps[change - 1] > _STEEP * np.median(steps))
         first, last = bracket

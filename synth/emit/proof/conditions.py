@@ -79,6 +79,10 @@ def _text(program: Program, names: dict[int, str], k: int, depth: int) -> str:
         return f"{node.value:.9g}"
     if not depth:
         return "(...)"
+    if node.op == "choose":
+        test, last = (program.nodes[node.args[k]] for k in (0, 2))
+        if last.op == "floor" and last.args == test.args[:1]:
+            return _text(program, names, node.args[2], depth)  # of any sign, as it was before lowering
     sides = [_text(program, names, a, depth - 1) for a in node.args]
     if node.op in _INFIX:
         return f"({sides[0]} {_INFIX[node.op]} {sides[-1]})"
@@ -334,6 +338,17 @@ def _inside(low: float, high: float, need: str, quantity: str, value: Callable[[
     )
 
 
+def _above(low: float, need: str) -> Obligation:
+    return Obligation(
+        need,
+        "the argument",
+        (0,),
+        lambda y, args: (args[0].low > low) & ~args[0].nan,
+        lambda y, args: args[0].high <= low,
+        lambda args: _middle(args[0]),
+    )
+
+
 _UNIT = _inside(-1, 1, "its argument must lie in -1 .. 1", "1 - |argument|", lambda x: 1 - np.abs(x))
 
 _OF: dict[str, Obligation] = {
@@ -343,14 +358,10 @@ _OF: dict[str, Obligation] = {
         0, 2.0**31, "its argument must lie in 0 .. 2^31, because C truncates it in 32 bits", "the argument", lambda x: x
     ),
     "sqrt": _inside(0, inf, "its argument must not be negative", "the argument", lambda x: x),
-    "log": Obligation(
-        "its argument must be positive",
-        "the argument",
-        (0,),
-        lambda y, args: (args[0].low > 0) & ~args[0].nan,
-        lambda y, args: args[0].high <= 0,
-        lambda args: _middle(args[0]),
-    ),
+    "fmod": _division(1),
+    "remainder": _division(1),
+    "log": _above(0, "its argument must be positive"),
+    "log1p": _above(-1, "its argument must be greater than -1"),
     "asin": _UNIT,
     "acos": _UNIT,
     "tan": Obligation(

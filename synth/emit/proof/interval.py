@@ -163,6 +163,25 @@ def _sqrt(a: Interval) -> Interval:
     return Interval(np.sqrt(np.maximum(a.low, 0)), np.sqrt(np.maximum(a.high, 0)), a.nan | (a.low < 0))
 
 
+def _fmod(a: Interval, b: Interval) -> Interval:
+    size, up = _fabs(b), a.low.dtype.type(inf)
+    below = np.nextafter(size.high, -up)  # |fmod(a, b)| < |b|
+    low, high = np.maximum(np.minimum(a.low, 0), -below), np.minimum(np.maximum(a.high, 0), below)
+    # Between two multiples of one b the result rises with a; across one of them it falls.
+    first, last = np.fmod(a.low, b.high), np.fmod(a.high, b.high)
+    narrow = ((a.low >= 0) | (a.high <= 0)) & (np.nextafter(a.high - a.low, up) < size.low) & (b.low == b.high)
+    rises = (narrow & (first <= last)) | (_fabs(a).high < size.low)
+    nan = a.nan | b.nan | b.zero | a.infinite
+    return Interval(
+        np.where(rises, np.where(narrow, first, a.low), low), np.where(rises, np.where(narrow, last, a.high), high), nan
+    )
+
+
+def _remainder(a: Interval, b: Interval) -> Interval:
+    size = np.minimum(_fabs(a).high, np.nextafter(_fabs(b).high / 2, a.low.dtype.type(inf)))
+    return Interval(-size, size, _fmod(a, b).nan)
+
+
 def _comparison(below: Callable[[Array, Array], Mask]) -> Callable[[Interval, Interval], Interval]:
     def compare(a: Interval, b: Interval) -> Interval:
         return _logical(below(a.high, b.low) & ~(a.nan | b.nan), below(a.low, b.high), a.low.dtype.type)
@@ -192,6 +211,8 @@ EXACT: dict[str, Callable[..., Interval]] = {
     "inv": _inv,
     "floor": lambda a: Interval(np.floor(a.low), np.floor(a.high), a.nan),
     "sqrt": _sqrt,
+    "fmod": _fmod,
+    "remainder": _remainder,
     "min": _min,
     "max": _max,
     "clamp": _clamp,

@@ -18,7 +18,7 @@ from synth.emit.program.lower import Program
 from synth.emit.program.operations import LOGICAL
 from synth.emit.proof import bisection, conditions
 from synth.emit.proof.bisection import LOADS, SELECTIONS, Structure, nodes_between, structure
-from synth.emit.proof.interval import Array, Interval, interval
+from synth.emit.proof.interval import Array, Interval, interval, truth
 from synth.emit.proof.ranges import Arithmetic, Range, enclose, narrow_under
 from synth.errors import EmitError
 
@@ -125,6 +125,20 @@ def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], at_limi
     return tuple(sorted(cut))
 
 
+def _dominator(s: Structure, R: Mapping[int, Interval], tops: Sequence[int]) -> list[tuple[int, ...]]:
+    """Return the last bounded node, if any, through which alone the tops depend on loads."""
+    nodes = s.program.nodes
+    for v in range(min(tops) - 1, -1, -1):
+        seen, waiting = {v}, [*tops]
+        while waiting and nodes[waiting[-1]].op not in ("input", "state"):
+            k = waiting.pop()
+            waiting += [a for a in nodes[k].args if a not in seen]
+            seen.update(nodes[k].args)
+        if not waiting and R[v].finite[0]:
+            return [(v,)]
+    return []
+
+
 def _prove(
     s: Structure,
     arithmetic: Arithmetic,
@@ -138,17 +152,19 @@ def _prove(
     inside = enclose(s, arithmetic, {**R, **narrowed}, nodes_between(s, narrowed, [claim.k]))
     if infeasible.any() or _holds(s, claim, inside):
         return {}
-    cut, verdict = tuple[int, ...](), bisection.Verdict(False, 0)
-    for at_limits in (True, False):
-        if (candidate := leaves(s, inside, claim.watched, at_limits)) and candidate != cut:
-            cut = candidate
-            low, high = (np.array([getattr(inside[k], side)[0] for k in cut]) for side in ("low", "high"))
-            whole = np.array([k in s.whole for k in cut])
-            judge = _judge(s, arithmetic, inside, proved, claim, cut)
-            verdict = bisection.prove(low, high, whole, judge, claim.obligation.signed)
-            if verdict.proved:
-                return {k: a for k, a in verdict.hull.items() if not a.empty[0]}
-    raise EmitError(_refusal(s.program, inside, claim, block, cut, verdict))
+    refusal = tuple[int, ...](), bisection.Verdict(False, 0)
+    cuts = [leaves(s, inside, claim.watched, at_limits) for at_limits in (True, False)]
+    cuts += [leaves(s, R, [*claim.watched, *(c for c, _ in claim.guards)], False)]  # this one decides the guards
+    for cut in dict.fromkeys([*filter(None, cuts[:2]), *_dominator(s, inside, claim.watched), *filter(None, cuts[2:])]):
+        low, high = (np.array([getattr(inside[k], side)[0] for k in cut]) for side in ("low", "high"))
+        whole = np.array([k in s.whole for k in cut])
+        judge = _judge(s, arithmetic, inside, proved, claim, cut)
+        verdict = bisection.prove(low, high, whole, judge, claim.obligation.signed)
+        if verdict.proved:
+            return {k: a for k, a in verdict.hull.items() if not a.empty[0]}
+        if cut in cuts:
+            refusal = cut, verdict
+    raise EmitError(_refusal(s.program, inside, claim, block, *refusal))
 
 
 def _judge(
@@ -171,6 +187,9 @@ def _judge(
         cells = {k: Interval(low[i], high[i], np.zeros(n, bool)) for i, k in enumerate(cut)}
         inside = enclose(s, mode, {**R, **cells}, cone, None if exact else proved)
         narrowed, infeasible = narrow_under(s, claim.guards, inside)
+        for c, side in claim.guards if exact else ():  # a point where a guard is undecided is no counterexample
+            is_decided = (truth(inside[c]).low == side) & (truth(inside[c]).high == side)
+            infeasible = infeasible | ~is_decided | (c not in cone and c not in cut)
         if narrowed:
             inside = enclose(s, mode, {**inside, **narrowed}, nodes_between(s, narrowed, [claim.k]))
         with np.errstate(all="ignore"):
@@ -210,6 +229,10 @@ def _refusal(
         where = "its operands are unbounded"
     elif verdict.fails:
         where = f"violated: {claim.obligation.quantity} is {verdict.value:.6g} at {point}"
+    elif verdict.crosses:
+        where = (
+            f"violated: {claim.obligation.quantity} passes through 0 beside {point}, where it is {verdict.value:.6g}"
+        )
     else:
         where = (
             f"not proved in {verdict.cells} cells: {claim.obligation.quantity} is {verdict.value:.6g} at the worst "

@@ -108,11 +108,11 @@ def _frequency(z: complex, period_s: float) -> str:
     return f"{abs(s) / (2 * np.pi):.6g} Hz with damping {round(-s.real / abs(s), 9) + 0.0:.4g}"
 
 
-def summary(parts: Sequence[LinearPart], scalar: type[np.floating]) -> list[str]:
-    """Return what a designer must know of the linear parts, one sentence a line; nothing where there are none."""
+def summary(parts: Sequence[LinearPart], scalar: str) -> list[str]:
+    """Return what a designer must know of the linear parts in a scalar type, a line each; nothing without parts."""
     gains = max((p.gain.error for p in parts if p.gain), default=0.0)
     shift = max((p.shift for p in parts if p.shift < np.inf), default=0.0)
-    first = f"{np.dtype(scalar).name} changes DC gains by at most {gains:.2g} and poles by at most {shift:.2g}"
+    first = f"{scalar} changes DC gains by at most {gains:.2g} and poles by at most {shift:.2g}"
     return [first, *filter(None, (p.sentence() for p in parts))] if parts else []
 
 
@@ -125,14 +125,15 @@ def linear_parts(program: Program, block: Block, scalar: type[np.floating]) -> t
     declared = {s.name: s for s in (*block.inputs, *signals)}
     named = {k: declared[n.name] for k, n in enumerate(program.nodes) if n.name in declared}
     named |= {k: mark.signal for mark, k in reversed(program.marks)}
-    links = _matrix([_next(program, exact, program.next[s.name]) for s in signals], [nodes[s.name] for s in signals])
+    next = _next(program, exact), _next(program, rounded)
+    links = _matrix([next[0][s.name] for s in signals], [nodes[s.name] for s in signals])
     labels = connected_components(links != 0, connection="strong")[1].tolist()
     parts = []
     for label in dict.fromkeys(labels):
         inside = [k for k, other in enumerate(labels) if other == label]
         if links[np.ix_(inside, inside)].any():
             states = {nodes[signals[k].name]: signals[k] for k in inside}
-            parts.append(_part(program, block.time.period_s, (exact, rounded), states, named, scalar))
+            parts.append(_part(program, block.time.period_s, (exact, rounded), next, states, named, scalar))
     return tuple(parts)
 
 
@@ -140,18 +141,19 @@ def _part(
     program: Program,
     period_s: float,
     forms: tuple[Sequence[Form], Sequence[Form]],
+    next: tuple[Mapping[str, Form], Mapping[str, Form]],
     states: Mapping[int, Signal],
     named: Mapping[int, Signal],
     scalar: type[np.floating],
 ) -> LinearPart:
-    """Return the part of `states`, from the `forms` of the program's nodes, exact and rounded; signals are by node."""
+    """Return the part of `states`, from exact and rounded `forms` of nodes and `next` states; signals are by node."""
     signals, columns = [*states.values()], [*states]
-    next = [[_next(program, f, program.next[s.name]) for s in signals] for f in forms]
-    read = sorted({j for row in next[0] for j in row} - {*columns, _NUMBER})
+    rows = [[n[s.name] for s in signals] for n in next]
+    read = sorted({j for row in rows[0] for j in row} - {*columns, _NUMBER})
     shown = [k for _, k in program.marks if not forms[0][k].keys().isdisjoint(columns)] or columns
     models = [
-        tuple(_matrix(r, c) for r in (rows, [f[k] for k in shown]) for c in (columns, read))
-        for rows, f in zip(next, forms, strict=True)
+        tuple(_matrix(r, c) for r in (of_states, [f[k] for k in shown]) for c in (columns, read))
+        for of_states, f in zip(rows, forms, strict=True)
     ]
     (A, B, _, _), (rounded_A, _, _, _) = models
     z, rounded_z = np.linalg.eigvals(A), np.linalg.eigvals(rounded_A)
@@ -162,10 +164,10 @@ def _part(
     oscillates = (np.abs(np.abs(z) - 1) < STEADY) & (z.imag != 0)
     amplitude = min((np.abs(rounded_z[oscillates]) ** (HOUR / period_s)).tolist(), default=None)
     largest = [np.nextafter(scalar(max(abs(s.low), abs(s.high))), scalar(0)) for s in signals]
-    half = np.array([np.spacing(v) / 2 for v in largest], dtype=np.float64)
+    half = np.array([np.spacing(v) for v in largest], dtype=np.float64) / 2
     if np.linalg.cond(np.eye(len(A)) - matrix_balance(A, permute=False)[0]) < SINGULAR:
         gain = _largest_change([_name(program, j) for j in read], [_name(program, j) for j in shown], *models)
-        rest = np.abs(np.linalg.inv(np.eye(len(A)) - A)) @ ([len(row) for row in next[0]] * half)
+        rest = np.abs(np.linalg.inv(np.eye(len(A)) - A)) @ ([len(row) for row in rows[0]] * half)
         rest = rest if (np.abs(z) < 1 - STEADY).all() else 0 * rest
         i = int((rest / half).argmax())
         lost, input = rest[i], None
@@ -252,11 +254,13 @@ def _arm(arms: Sequence[Form], sign: int) -> Form | None:
     return None if ambiguous or not varying else varying[0]
 
 
-def _next(program: Program, forms: Sequence[Form], k: int) -> Form:
-    """Return node k, a next state, as a linear form."""
-    node = program.nodes[k]
-    arms = [_next(program, forms, a) for a in node.args[_ARMS[node.op]]] if node.op in _ARMS else []
-    return (_arm(arms, -1) if arms else None) or forms[k]
+def _next(program: Program, forms: Sequence[Form]) -> dict[str, Form]:
+    """Return the next states as linear forms."""
+    advanced: list[Form] = []
+    for k, node in enumerate(program.nodes):
+        arm = _arm([advanced[a] for a in node.args[_ARMS[node.op]]], -1) if node.op in _ARMS else None
+        advanced.append(forms[k] if arm is None else arm)
+    return {name: advanced[k] for name, k in program.next.items()}
 
 
 def require_gains(parts: Sequence[LinearPart], allowed: float, scalar: type[np.floating]) -> None:

@@ -35,6 +35,7 @@ FUNCTIONS: Mapping[str, Callable[..., Array]] = {
     "min": np.fmin,
     "max": np.fmax,
     "mod": np.fmod,
+    "remainder": lower.OPERATIONS["remainder"],
     "erf": erf,
     "lt": np.less,
     "le": np.less_equal,

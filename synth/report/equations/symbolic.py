@@ -26,10 +26,9 @@ UNARY_TOO = UNARY | {
     ca.OP_ASINH: "asinh",
     ca.OP_ACOSH: "acosh",
     ca.OP_ATANH: "atanh",
+    ca.OP_FLOOR: "floor",
     ca.OP_CEIL: "ceil",
     ca.OP_ERF: "erf",
-    ca.OP_LOG1P: "log1p",
-    ca.OP_EXPM1: "expm1",
 }
 BINARY_TOO = BINARY | {ca.OP_POW: "pow", ca.OP_CONSTPOW: "pow", ca.OP_FMOD: "mod", ca.OP_HYPOT: "hypot"}
 

@@ -57,6 +57,14 @@ UNARY: list[Callable[[SX], SX]] = [
     lambda a: ca.floor(3 * ca.fabs(a)),
     lambda a: 1 / (a**2 + 0.25),
     ca.logic_not,
+    lambda a: ca.expm1(ca.tanh(a)),
+    lambda a: ca.log1p(ca.fabs(a)),
+    ca.sign,
+    ca.floor,
+    ca.ceil,
+    lambda a: ca.fabs(a) ** 2.5,
+    lambda a: (1 + a**2) ** -1.5,
+    lambda a: (1 + a**2) ** (1 / 3),
 ]
 BINARY: list[Callable[[SX, SX], SX]] = [
     lambda a, b: a + b,
@@ -74,6 +82,11 @@ BINARY: list[Callable[[SX, SX], SX]] = [
     ca.logic_and,
     ca.logic_or,
     lambda a, b: ca.if_else(a, b, 0),
+    lambda a, b: ca.fmod(a, 1 + b**2),
+    lambda a, b: ca.remainder(a, 1 + b**2),
+    ca.copysign,
+    ca.hypot,
+    lambda a, b: (1 + a**2) ** ca.sin(b),
     lambda a, b: ca.if_else(a < b, ca.sin(a), ca.cos(b)),
 ]
 INPUTS = [signal(n, -4, 4) for n in "abc"]

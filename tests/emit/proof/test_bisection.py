@@ -50,14 +50,25 @@ def test_a_zero_crossing_is_distinguished_from_a_jump() -> None:
         return Judgement((a.low > 0) | (a.high < 0), np.zeros_like(verdict.fails), verdict.value, verdict.watched)
 
     verdict = bisection.prove(*box((-1, 2)), never_fails, True)
-    assert verdict.fails and verdict.point[0] == pytest.approx(0.3, abs=1e-15)
-    assert not bisection.prove(*box((-1, 2)), never_fails, False, 1000).fails  # sought where one sign is asked for only
+    assert verdict.fails != verdict.crosses  # whether 0.3 is a middle of a cell
+    assert verdict.point[0] == pytest.approx(0.3, abs=1e-15)
+    other = bisection.prove(*box((-1, 2)), never_fails, False, 1000)
+    assert not (other.fails or other.crosses)  # sought where one sign is asked for only
 
+
+@pytest.mark.parametrize(
+    ("below", "above", "slope"), [(-1.5, 2.5, 0), (-1e-6, 1, 0), (-1e-9, 1e-9, 0), (-1, 1e-9, 1), (-1e-3, 1e-3, 2)]
+)
+def test_a_jump_over_zero_is_no_crossing(below: float, above: float, slope: float) -> None:
     def jumps(low: Array, high: Array, exact: bool) -> Judgement:
-        a = never_fails(low, high, exact)
-        return Judgement(a.holds, a.fails, np.sign(a.value) * 2 + 0.5, a.watched)
+        a = judge(lambda x: x - 0.3, 0.0)(low, high, exact).watched[7]
+        holds = (a.low > 0) | (a.high < 0)
+        middle = (a.low + a.high) / 2
+        value = np.where(middle > 0, above, below) + slope * middle
+        return Judgement(holds, np.zeros_like(holds), value, {7: a})
 
-    assert not bisection.prove(*box((-1, 2)), jumps, True, 1000).fails
+    verdict = bisection.prove(*box((-1, 2)), jumps, True, 1000)
+    assert not (verdict.fails or verdict.crosses)
 
 
 def test_whole_numbers_are_not_split_further() -> None:

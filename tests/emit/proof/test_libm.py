@@ -11,7 +11,7 @@ from synth.emit.proof.interval import Interval
 
 F32, F64 = np.float32, np.float64
 NUMPY = {"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan}
-DOMAIN = {"log": (1e-30, 50), "asin": (-1, 1), "acos": (-1, 1), "tan": (-1.5, 1.5)}
+DOMAIN = {"log1p": (-0.9, 10), "log": (1e-30, 50), "asin": (-1, 1), "acos": (-1, 1), "tan": (-1.5, 1.5)}
 NAMES = [n for n in libm.FUNCTIONS if n != "atan2"]
 
 

@@ -147,7 +147,7 @@ def test_an_integrator_does_not_integrate_what_is_below_half_a_unit(k: float, bo
 
 
 def test_the_dead_band_of_an_integrator_is_said_with_its_input() -> None:
-    text = summary(parts(integrator(1.0 + 1e-9)), F32)
+    text = summary(parts(integrator(1.0 + 1e-9)), "float32")
     assert text[-1] == "s: no u below 4.8e-07 m is integrated at the bound of s"
 
 
