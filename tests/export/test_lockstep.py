@@ -3,7 +3,9 @@
 Both compile the same functions with one compiler; only the loop around them differs.
 """
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -89,11 +91,33 @@ def test_a_loop_in_double_precision_equals_the_simulation(tmp_path: Path) -> Non
         np.testing.assert_array_equal(log.samples[column], run.commands[column], column)
 
 
-def simulated(name: str, recorded: dict[str, np.ndarray]) -> Trajectory:
-    """Return the run of `synth simulate`'s rig under the set-points and the noise of a recorded loop."""
+def test_a_sensor_that_wraps_does_so_in_both_loops(tmp_path: Path) -> None:
+    """The law knows nothing of it, and loses z at the first turn: both loops do so alike."""
+    folder = harness.export(PLANTED, tmp_path)
+    text = (folder / "src/plant.c").read_text()
+    row = "    { 0, 1e-07, 0.0, 0.0, -0.0007 },\n"
+    assert row in text
+    (folder / "src/plant.c").write_text(text.replace(row, "    { 0, 1e-07, 0.0, 2e-4, -1e-4 },\n"))
+    harness.build(folder, flags="-O1")
+    words = ["--motion", "sine z_ref 3e-4 10 3"]
+    assert harness.call(folder, "--lockstep", str(SAMPLES), "--record", "run.csv", *words, name=PLANTED).returncode == 0
+    log = records.read(folder / "run.csv")
+    z, x = harness.stage(PLANTED).interface.sensors
+    run = simulated(PLANTED, log.samples, sensors=(replace(z, wraps=2e-4, low=-1e-4), x))
+    assert np.ptp(run.outputs["z"]) > 2.5e-4 and np.ptp(run.measured["z"]) <= 2.001e-4
+    for name, column in (run.measured | run.commands).items():
+        if name != "missed_calls":
+            np.testing.assert_array_equal(log.samples[name].astype(np.float32), column, name)
+
+
+def simulated(name: str, recorded: dict[str, np.ndarray], **interface: Any) -> Trajectory:
+    """Return the run of `synth simulate`'s rig under the set-points and the noise of a recorded loop.
+
+    `interface` has fields that differ from the declared ones.
+    """
     stage = harness.stage(name)
     code = harness.emitted(name)[name]
-    simulator = rig.of_stage(stage, host.load(code.files, code.manifest))
+    simulator = rig.of_stage(stage, host.load(code.files, code.manifest)).with_interface(**interface)
     noisy = [s for s in stage.interface.sensors if s.noise]
     normal = harness.normals(1, SAMPLES * len(noisy)).reshape(SAMPLES, len(noisy)).T
     noise = {s.name: s.noise * row for s, row in zip(noisy, normal, strict=True)}
