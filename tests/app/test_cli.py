@@ -20,6 +20,7 @@ from synth.check import Check
 from synth.declare.stage import Stage
 from synth.emit.c import manifest
 from synth.emit.write import EmittedCode
+from synth.errors import EmitError
 from synth.execute import cross, host
 from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory
@@ -110,6 +111,18 @@ def test_emit_writes_the_c_of_casadi_behind_the_same_header(tmp_path: Path, scal
     )
     assert (first.faults == second.faults).all() and first.faults.any()
     np.testing.assert_allclose(second.outputs["i1"], first.outputs["i1"], atol=1e-4)
+
+
+@pytest.mark.usefixtures("one_design")
+def test_emit_says_what_the_scalar_type_changes(tmp_path: Path) -> None:
+    said = " ".join(RUNNER.invoke(cli.app, ["emit", NAME, "--out", str(tmp_path)]).output.split())
+    assert "float32 changes DC gains by at most " in said
+    assert "pid_z_integral: no z_held below 1.4e-08 m is integrated at the bound of pid_z_integral" in said
+
+
+def test_a_stage_declares_how_far_a_dc_gain_may_change() -> None:
+    with pytest.raises(EmitError, match=r"a change of 9\.9e-09 where 1e-12 is allowed"):
+        standard_tasks.emit(replace(PID, gain_error=1e-12), np.float32)
 
 
 @pytest.mark.usefixtures("one_design")

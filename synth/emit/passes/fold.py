@@ -296,7 +296,10 @@ def _share_divisions(p: Program) -> Program:
 
 def _compare_differences(p: Program) -> Program:
     """Compare a difference x - y itself where it is the argument of an operation that is not defined for all."""
-    guarded = [p.nodes[a].args for n in p.nodes if n.op in _GUARDED for a in n.args[-1:] if p.nodes[a].op == "sub"]
+    factors = {n.args[-1] for n in p.nodes if n.op in _GUARDED}
+    for k in range(len(p.nodes) - 1, -1, -1):
+        factors |= {*p.nodes[k].args} if k in factors and p.nodes[k].op in _FACTORS else set()
+    guarded = [p.nodes[k].args for k in factors if p.nodes[k].op == "sub"]
     f = Folder()
     index: list[int] = []
     for node in p.nodes:
@@ -315,6 +318,7 @@ def _compare_differences(p: Program) -> Program:
 
 
 _GUARDED = ("div", "inv", "sqrt", "log")
+_FACTORS = ("mul", "sq", "neg", "fabs", "sqrt")
 
 
 def _terms(p: Program, k: int, sign: int) -> list[tuple[int, int]]:

@@ -271,5 +271,5 @@ def require_gains(parts: Sequence[LinearPart], allowed: float, scalar: type[np.f
                 f"the DC gain from '{g.input}' to '{g.output}' is {g.exact:.6g}, but with the coefficients of "
                 f"{np.dtype(scalar).name} {g.rounded:.6g}, a change of {g.error:.2g} where {allowed:g} is allowed: "
                 f"write the states {', '.join(part.states)} in modal form, [[a, b], [-b, a]] for the poles a +- ib, "
-                "or at a lower rate, emit float64, or declare another `gain_error`"
+                "as `biquad.block` does, or at a lower rate, emit float64, or declare another `gain_error`"
             )

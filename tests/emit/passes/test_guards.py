@@ -15,6 +15,10 @@ from synth.execute import compile as compiler
 from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
+from tests import tolerances
+from tests.emit import one_step
+from tests.emit.proof import test_safe
+from tests.emit.proof.test_safe import GUARDED
 
 TIME = Discrete(1e-3)
 FORCE = Signal("force", "N", -1, 1)
@@ -111,3 +115,17 @@ def test_an_input_that_the_law_reads_as_it_is_keeps_its_range_test() -> None:
     )
     text = emit(block, F32).files["plain.c"]
     assert "_hold" not in text and "faults" not in text
+
+
+def test_what_is_computed_under_its_guards_has_the_values_of_casadi() -> None:
+    blocks = [replace(test_safe.make(law, *test_safe.BOTH_SIDES), name=f"made{k}") for k, law in enumerate(GUARDED)]
+    assert not one_step.differing_from_casadi(blocks, np.float64, rtol=tolerances.of("folded"))
+
+
+def test_a_quotient_of_two_arms_is_computed_where_one_of_them_is() -> None:
+    law: test_safe.Law = lambda u: (  # noqa: E731
+        ca.if_else(ca.fabs(u["z"]) > 0.1, 1 / u["z"], 0)
+        + ca.if_else(u["w"] > 1.5 - u["z"], 0.5 / u["z"] + 1 / u["z"], 0)
+    )
+    text = emit(test_safe.make(law, *test_safe.BOTH_SIDES), F32).files["made.c"]
+    assert text.count("1.0f / z") == 1 and "test || " in text

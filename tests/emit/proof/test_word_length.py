@@ -10,7 +10,7 @@ import pytest
 from scipy import signal
 
 from synth.block import Block, Constant, State, Step, build
-from synth.blocks.laws import linear_block
+from synth.blocks.laws import biquad, linear_block
 from synth.composition import compose
 from synth.emit.proof.word_length import LinearPart, summary
 from synth.emit.write import emit
@@ -94,6 +94,16 @@ def test_a_slow_low_pass_loses_its_dc_gain_in_direct_form_alone() -> None:
     emit(of(rotated(1, 1e4), 1e4, 9.0), F32)
     emit(of(direct(1, 1e4), 1e4, 9.0), np.float64)
     emit(of(direct(1, 1e4), 1e4, 9.0), F32, gain_error=0.1)
+
+
+def test_the_low_pass_of_the_toolkit_keeps_its_dc_gain() -> None:
+    block = biquad.block("slow", Discrete(1e-4), U, "y", poles=(2 * pi, 0.7071))
+    (part,) = emit(block, F32).parts
+    assert part.gain is not None and part.gain.error < 2e-5 and part.shift < 2e-5
+    u = np.full(30_000, 0.75)
+    u[0] = 0.0
+    y = host.compile_block(block).replay({"u": u, "ready": np.ones(len(u))}).outputs["y"]
+    assert y[-1] == pytest.approx(0.75, rel=2e-5)
 
 
 @pytest.mark.parametrize(("form", "hertz", "rate"), [(direct, 20, 1e3), (rotated, 1, 1e4), (rotated, 20, 1e3)])
