@@ -32,7 +32,8 @@ def block(
 
     Further outputs are ``<position>_turns``, which stays exact where single precision has too few digits for the
     position, and ``<position>_lost``. `speed` is the largest of the machine in the reading's unit per second,
-    `bad_samples` the number of the interface after which the controller latches. At the first good sample, which the
+    `bad_samples` the number of the interface after which the controller latches, and more where calls may be missing.
+    The guard must hold the reading while it is bad. At the first good sample, which the
     input ``ready`` of the guard follows, no turn is counted: the position is the reading.
 
     Raises SignalError for a position in another unit, whose range has not the reading's in it or has more than
