@@ -38,7 +38,7 @@ POLE_GROWTH = 1e10  # |A| |X| over |B|: beyond, a point may lie on a pole within
 REFINEMENT_TOLERANCE = 1e-3  # a refinement that moves the states by less shows that the point is no pole
 STEPS = 2  # of refinement, before elimination
 MIN_COLUMNS = 32  # columns of B at all points, over n: from there on two Schur forms take less time than the residual
-AGREEMENT = 2.0**-46  # times n, relative to the largest entry in a row and column: two responses that agree
+AGREEMENT = 2.0**-45  # times n, relative to the largest entry in a row and column: two responses that agree
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class Schur:
         """Return (v I - T)^-1 R for each point v (k,) and R (n, m, k) or (n, m, 1), as (n, m, k)."""
         n, m, k = len(self.T), right.shape[1], len(v)
         Z = np.empty((n, m, k), dtype=np.complex128)
-        flat = Z.view(np.float64).reshape(n, 2 * m * k)
+        flat, (above, below) = Z.view(np.float64).reshape(n, 2 * m * k), np.empty((2, m, k), dtype=np.complex128)
         first, second = self._inverses(v)  # of the diagonal blocks of v I - T
         for start, stop in zip(self.edges[-2::-1], self.edges[:0:-1], strict=True):
             Z[start:stop] = right[start:stop]
@@ -69,7 +69,12 @@ class Schur:
                 if i + 1 < stop:
                     flat[j : i + 1] += self.T[j : i + 1, i + 1 : stop] @ flat[i + 1 : stop]
                 if j < i:
-                    Z[j], Z[i] = first[j] * Z[j] + second[j] * Z[i], second[i] * Z[j] + first[i] * Z[i]
+                    # In place: Z[j], Z[i] = first[j] Z[j] + second[j] Z[i], second[i] Z[j] + first[i] Z[i].
+                    np.multiply(second[j], Z[i], out=above)
+                    np.multiply(second[i], Z[j], out=below)
+                    Z[j : i + 1] *= first[j]
+                    Z[j] += above
+                    Z[i] += below
                 else:
                     Z[i] *= first[i]
                 i = j - 1
@@ -136,11 +141,11 @@ def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
     A, B, C = balanced(A, B, C)
     form, left = schur(A), np.arange(len(v))
     if m * len(v) >= MIN_COLUMNS * len(A):
-        first, agrees = _two_responses(form, A, B, C, v)
-        M[agrees] += first[agrees]
+        strictly_proper, agrees = _two_responses(form, A, B, C, v)
+        M += strictly_proper
         left = left[~agrees]
     for part in _chunks(len(left), REFINED_CHUNKS * ENTRIES // B.size):
-        M[left[part]] += _solve_with_refinement(form, A, B, C, v[left[part]])
+        M[left[part]] = _solve_with_refinement(form, A, B, C, v[left[part]]) + D
     return M
 
 

@@ -84,6 +84,38 @@ def test_a_schur_form_without_refinement_would_be_noticed(monkeypatch: pytest.Mo
     assert np.abs(model.response(np.concatenate([v, FAR]))[: len(v)] / truth(model, v) - 1).max() > 1.0
 
 
+def with_columns(model: StateSpace, m: int = 6) -> StateSpace:
+    """Return the model with m random inputs and outputs, each state's in its own unit."""
+    rng, n = np.random.default_rng(4), len(model.A)
+    B, C = (
+        np.abs(M) + M.any() * rng.uniform(0.1, 1, shape)
+        for M, shape in ((model.B[:, :1], (n, m)), (model.C[:1], (m, n)))
+    )
+    return of((model.A, B * rng.standard_normal(m), C * rng.standard_normal((m, 1)), np.zeros((m, m))))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["a companion form over six decades", "modes damped by 1e-6, at resonance", "unlike units"]
+)
+def test_many_columns_are_as_exact_as_few(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both Schur forms are wrong for a companion form: they do not agree, and the residual decides."""
+    narrow, v = HARD[name]
+    model, points = with_columns(narrow), np.concatenate([v, 10.0 + 1j * np.arange(400)])
+    assert 6 * len(points) >= resolvent.MIN_COLUMNS * len(model.A)
+    expected = truth(model, v)
+    size = np.abs(expected).max(axis=(1, 2))
+    error, bound = (
+        float((np.abs(M[: len(v)] - expected).max(axis=(1, 2)) / size).max())
+        for M in (model.response(points), elimination(model, v))
+    )
+    assert error < 30 * max(bound, len(model.A) * resolvent.AGREEMENT / 30)
+    if name == "a companion form over six decades":
+        monkeypatch.setattr(resolvent, "AGREEMENT", np.inf)
+        wrong = np.abs(model.response(points)[: len(v)] - expected).max(axis=(1, 2)) / size
+        assert wrong.max() > 1e3 * error
+
+
 CHAIN = np.diag(np.ones(11), 1)
 INTEGRATORS = of((CHAIN, np.eye(12, 1, -11), np.eye(1, 12)))
 DIAGONAL = of((np.diag(-np.arange(1.0, 13.0)), np.ones((12, 1)), np.ones((1, 12))))
@@ -96,6 +128,9 @@ COMPANION_AT_0 = of(control.tf([1.0], [*np.poly(-np.arange(1.0, 12.0)), 0.0]))
 def test_a_pole_among_many_points_is_named(model: StateSpace, pole: float) -> None:
     with pytest.raises(ModelError, match=rf"no value at {pole:g}, a pole: leave it out"):
         model.response([*FAR, pole])
+    wide = of((model.A, np.tile(model.B, 40), model.C, np.zeros((1, 40))))
+    with pytest.raises(ModelError, match=rf"no value at {pole:g}, a pole: leave it out"):
+        of((model.A.T, wide.C.T * np.ones((1, 40)), wide.B.T)).response([*FAR, pole])
 
 
 def test_a_thousand_points_of_200_states_take_little_memory() -> None:
