@@ -98,15 +98,15 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
     level, certified = _prove(M, points) if certify else (float(points.bound[top]), False)
     highest = _highest(points)
     level *= 1 + 2 * max(_rounding(M, points, k) for k in highest)
-    lower_bounds = {k: ssv.lower(points.M[k]) for k in highest}
-    k = max(
-        (k for k in lower_bounds if 0 < points.w[k] < np.inf or _is_real(lower_bounds[k].delta)),
-        key=lambda k: lower_bounds[k].value,
-    )
+    best, at = ssv.Lower(-1.0, np.zeros(0, dtype=np.complex128)), 0
+    for k in highest:
+        lower = ssv.lower(points.M[k])
+        if lower.value > best.value and (0 < points.w[k] < np.inf or _is_real(lower.delta)):
+            best, at = lower, k
+        if best.value >= (1 - FINAL_TOLERANCE) * points.bound.max():
+            break  # no other point has more
     order, w = np.argsort(points.w), M.unwarped(points.w)
-    return Peak(
-        level, certified, lower_bounds[k].value, lower_bounds[k].delta, float(w[k]), w[order], points.bound[order]
-    )
+    return Peak(level, certified, best.value, best.delta, float(w[at]), w[order], points.bound[order])
 
 
 def _rounding(M: SchurResponse, points: _Points, k: int) -> float:

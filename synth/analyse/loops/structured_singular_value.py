@@ -133,9 +133,11 @@ def lower(M: Complex) -> Lower:
     """
     if not M.any():
         return Lower(0.0, np.full(len(M), np.inf + 0j))
+    if len(M) == 1:
+        return Lower(float(abs(M[0, 0])), 1 / M[0])
     phases = _power(M)
     radii = np.abs(np.linalg.eigvals(M * np.exp(1j * phases)[:, None, :])).max(axis=1)
-    candidates = [_ascend(M, phases[k]) for k in np.argsort(radii)[:-3:-1]] if len(M) > 1 else [phases[0]]
+    candidates = [_ascend(M, phases[k]) for k in np.argsort(radii)[:-3:-1]]
     return max((_certificate(M, phi) for phi in candidates), key=lambda c: c.value)
 
 
