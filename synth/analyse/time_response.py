@@ -19,6 +19,7 @@ The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after
 Markov parameters, whose sum is the step response. MATLAB and python-control use a pulse of height 1/T instead (area 1).
 """
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -32,7 +33,7 @@ from synth.analyse.loops import transfer
 from synth.analyse.numerics import magnitude
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.timing import Continuous, Discrete
+from synth.timing import Continuous, Discrete, Time
 
 DECADES = 3.0  # of decay, or growth, of the slowest mode in the default duration
 POINTS = 500  # at least, for a continuous model
@@ -44,6 +45,7 @@ BAND = 0.02  # of the final value: tolerance of the settling time
 REST = 0.002  # of the final value: no response leaves this band after the default duration
 LONGEST = 100.0  # times the time in which the slowest mode decays: no longer default duration
 PARTS = 100  # of that time, for the largest deviation
+SMALL = 1e-3  # of the largest deviation: REST is of this where the final value is smaller, and not 0
 ROUNDING = 1e-12  # of the largest deviation: a smaller final value is 0
 
 
@@ -337,8 +339,8 @@ def _rates(model: StateSpace) -> NDArray[np.complex128]:
 def _duration(model: StateSpace, X: Array | None, final: Array | None) -> float:
     """Return the time for all stable modes to decay by 1000, or for the fastest growing mode to grow by 1000.
 
-    If X (n, m) are the deviations at t = 0 of the states of a stable model from rest, no output changes by more than
-    REST of `final` (p, m), or of its largest deviation where that is 0, after the time.
+    If X (n, m) are the deviations at t = 0 of the states of a stable model from rest, no output is further than REST
+    times `final` (p, m) from it after the time; times its largest deviation where `final` is 0.
     """
     rates = _rates(model)
     size = float(np.abs(rates).max(initial=0.0))
@@ -350,14 +352,15 @@ def _duration(model: StateSpace, X: Array | None, final: Array | None) -> float:
     duration = float(np.concatenate([spans, turns]).max(initial=0.0)) or shortest
     if X is None or final is None or not rates.size:
         return duration
+    A, S, C = resolvent.balanced(model.A, np.eye(len(model.A)), model.C)
     period = 0.0 if isinstance(model.time, Continuous) else model.time.period_s
     h = period * max(1.0, duration / PARTS // period) if period else duration / PARTS
-    parts = int(duration / h * (1 + ROUNDING))
-    F, bound, deviations = _transition(model, h), _tail_bound(model), [X]
+    parts, bound = int(duration / h * (1 + ROUNDING)), _tail_bound(A, C, model.time)
+    F, deviations = _transition(A, h, period), [S @ X]
     for _ in range(parts):
         deviations.append(F @ deviations[-1])
-    peak = np.abs(model.C @ np.array(deviations)).max(axis=0, initial=0.0)
-    scale = REST * np.where(np.abs(final) > ROUNDING * peak, np.abs(final), peak)
+    peak = np.abs(C @ np.array(deviations)).max(axis=0, initial=0.0)
+    scale = REST * np.where(np.abs(final) > ROUNDING * peak, np.maximum(np.abs(final), SMALL * peak), peak)
     X, end = deviations[-1], parts * h
     while end < LONGEST * duration:
         left = float(np.divide(bound(X), scale, out=np.zeros_like(scale), where=scale > 0).max(initial=0.0))
@@ -365,37 +368,34 @@ def _duration(model: StateSpace, X: Array | None, final: Array | None) -> float:
             break
         more = max(np.log(left) / float(-rates.real.max()), h)
         more = period * np.ceil(more / period) if period else more
-        X, end = _transition(model, more) @ X, end + more
+        X, end = _transition(A, more, period) @ X, end + more
     return max(duration, end)
 
 
-def _transition(model: StateSpace, seconds: float) -> Array:
-    """Return the matrix that maps the state to that after a time, without inputs."""
-    if isinstance(model.time, Continuous):
-        return _recursion(model, model.B, seconds)[0]
-    return np.asarray(np.linalg.matrix_power(model.A, round(seconds / model.time.period_s)))
+def _transition(A: Array, seconds: float, period: float) -> Array:
+    """Return the matrix that maps states to those after a time, without inputs; a continuous model has the period 0."""
+    F = np.linalg.matrix_power(A, round(seconds / period)) if period else scipy.linalg.expm(A * seconds)
+    return np.asarray(F, dtype=np.float64)
 
 
-def _tail_bound(model: StateSpace) -> Callable[[Array], Array]:
-    """Return X (n, m) -> upper bounds (p, m) of |y(t)| at all t >= 0 for the states X at t = 0 without inputs.
+def _tail_bound(A: Array, C: Array, time: Time) -> Callable[[Array], Array]:
+    """Return X (n, m) -> upper bounds (p, m) of |C x(t)| at all t >= 0 for the states X at t = 0 without inputs.
 
     The norms of L2 in its square follow from an observability Gramian for each output.
     """
-    A, S, C = resolvent.balanced(model.A, np.eye(len(model.A)), model.C)
     pairs = []
-    for c in C:
-        if isinstance(model.time, Continuous):
-            W = 2 * scipy.linalg.solve_continuous_lyapunov(A.T, -np.outer(c, c))
-            pairs.append((W, A.T @ W @ A))
-        else:
-            rows = c - c @ A, c + c @ A
-            pairs.append(
-                tuple(scipy.linalg.solve_discrete_lyapunov(A.T, np.outer(row, row), "bilinear") for row in rows)
-            )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of modes with s + s' near 0: their default duration is limited anyway
+        for c in C:
+            if isinstance(time, Continuous):
+                W = 2 * scipy.linalg.solve_continuous_lyapunov(A.T, -np.outer(c, c))
+                pairs.append((W, A.T @ W @ A))
+            else:
+                rows = [np.outer(row, row) for row in (c - c @ A, c + c @ A)]
+                pairs.append(tuple(scipy.linalg.solve_discrete_lyapunov(A.T, Q, "bilinear") for Q in rows))
 
     def bound(X: Array) -> Array:
-        Y = S @ X
-        squares = [[np.maximum(np.einsum("nm,nk,km->m", Y, W, Y), 0) for W in pair] for pair in pairs]
+        squares = [[np.maximum(((W @ X) * X).sum(axis=0), 0) for W in pair] for pair in pairs]
         return np.array([(first * second) ** 0.25 for first, second in squares])
 
     return bound

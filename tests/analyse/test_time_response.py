@@ -270,13 +270,13 @@ def test_no_later_output_exceeds_the_bound_of_the_remainder() -> None:
                 )
                 for x in X.T
             ]
-            bound = time_response._tail_bound(mine)(X)
+            bound = time_response._tail_bound(mine.A, mine.C, mine.time)(X)
             largest = np.abs(np.array(free)).max(axis=1).T
             assert (largest <= bound * (1 + 1e-9)).all() and (bound < 10 * largest).all()
     one = of(([[-2.0]], [[1.0]], [[3.0]], [[0.0]]))
-    assert time_response._tail_bound(one)(np.array([[5.0]]))[0, 0] == pytest.approx(15.0)
+    assert time_response._tail_bound(one.A, one.C, one.time)(np.array([[5.0]]))[0, 0] == pytest.approx(15.0)
     sampled = of(([[0.5]], [[1.0]], [[3.0]], [[0.0]], Discrete(0.1)))
-    assert time_response._tail_bound(sampled)(np.array([[5.0]]))[0, 0] == pytest.approx(15.0)
+    assert time_response._tail_bound(sampled.A, sampled.C, sampled.time)(np.array([[5.0]]))[0, 0] == pytest.approx(15.0)
 
 
 @pytest.mark.parametrize("period", [None, 0.05])

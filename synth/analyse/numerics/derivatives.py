@@ -64,6 +64,8 @@ SWITCHES: Mapping[int, Callable[..., tuple[Values, Values]]] = {
     ca.OP_COPYSIGN: lambda beside, a, _: (np.sign(beside * a.beside) * a.value, np.sign(beside * a.beside) * a.slope),
     ca.OP_FMIN: lambda _, a, b: _either(a.beside < b.beside, a, b),
     ca.OP_FMAX: lambda _, a, b: _either(a.beside > b.beside, a, b),
+    # It jumps by 2 pi where the first is 0 and the second negative.
+    ca.OP_ATAN2: lambda beside, a, b: (beside, (b.value * a.slope - a.value * b.slope) / (a.value**2 + b.value**2)),
     ca.OP_FMOD: _remainder,
     ca.OP_REMAINDER: _remainder,
 }

@@ -87,6 +87,7 @@ def test_a_kink_is_refused_with_both_slopes(which: str, force: Force, place: dic
         (lambda z, v, u: ca.fmod(z, 0.25), {"z": 0.5}, "from 0.25 to 0 at z = 0.5 m"),
         (lambda z, v, u: ca.remainder(z, 0.5), {"z": 0.25}, "from 0.25 to -0.25 at z = 0.25 m"),
         (lambda z, v, u: ca.if_else(z < 0.5, 1, 3), {"z": 0.5}, "from 1 to 3 at z = 0.5 m"),
+        (lambda z, v, u: ca.atan2(z, u) / np.pi, {"u": -0.5}, "from -1 to 1 at z = 0 m"),
         (lambda z, v, u: COUNTS(ca.floor(2 * z + 1)), {"z": 0.0}, "from 1 to 2 at z = 0 m"),
     ],
 )
@@ -111,6 +112,7 @@ def test_a_kink_of_several_signals_is_refused() -> None:
         (lambda z, v, u: ca.fmax(z, 0) + ca.fmin(z, 0), {}, (1, 0, 0)),
         (lambda z, v, u: ca.if_else(z > 0, z, 0) + ca.if_else(z < 0, z, 0), {}, (1, 0, 0)),
         (lambda z, v, u: ca.if_else(z < 0.5, z**2, z - 0.25), {"z": 0.5}, (1, 0, 0)),
+        (lambda z, v, u: ca.atan2(z, u), {"z": 0.3, "u": 0.4}, (1.6, 0, -1.2)),
         (lambda z, v, u: -1e4 * ca.fmax(0, z), {"z": 1e-6}, (-1e4, 0, 0)),
         (lambda z, v, u: -1e4 * ca.fmax(0, z), {"z": -1e-6}, (0, 0, 0)),
         (lambda z, v, u: ca.fmax(0, z) * v + u, {}, (0, 0, 1)),
