@@ -120,10 +120,12 @@ def _run_passes(
     composed = _without_certificates(guards.without_idle(program, bounds, scalar))
     program = fault_flags.gather(program)
     proved = ranges.analyse(program, bounds, scalar)
+    as_written = program
     try:
         safe.require_safe(program, proved, block, scalar)
     except EmitError:
         program = guards.with_shared_guards(program)
+    if program is not as_written:
         proved = ranges.analyse(program, bounds, scalar)
         safe.require_safe(program, proved, block, scalar)
     polynomials: tuple[Surrogate, ...] = ()

@@ -48,6 +48,7 @@ _PLAIN: dict[str, Callable[..., Any]] = {
     "and": lambda a, b: a != 0 and b != 0,
     "or": lambda a, b: a != 0 or b != 0,
     "not": lambda a: a == 0,
+    "floor": np.floor,
     "fmod": np.fmod,
     "remainder": lambda a, b: type(a)(math.remainder(a, b) if np.isfinite(a) and b != 0 else nan),
 }

@@ -173,7 +173,7 @@ def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budg
         signs |= {side: points[:, mask.argmax()] for side, mask in _sides(at_points) if mask.any()}
         if signed and len(signs) == 2 and jumps < _JUMPS:
             jumps += 1
-            if crossing := _crossing(signs, judge):
+            if crossing := _crossing(signs, judge, whole):
                 point, value = crossing
                 return Verdict(False, cells, {}, value == 0, value != 0, point, point, point, value)
         open_ = (high > low).any(axis=0)
@@ -243,13 +243,14 @@ def _worst(at_points: Judgement, points: Array, low: Array, high: Array, cells: 
     return Verdict(False, cells, {}, False, False, low[:, k], high[:, k], points[:, k - low.shape[1]], float(value[k]))
 
 
-def _crossing(signs: dict[bool, Array], judge: Judge) -> tuple[Array, float] | None:
+def _crossing(signs: dict[bool, Array], judge: Judge, whole: Mask) -> tuple[Array, float] | None:
     """Return a point between two points beside which the value passes through 0, and its value; None if it jumps."""
     ends = [signs[False].astype(np.float64), signs[True].astype(np.float64)]
     span, first, last, is_jump = ends[1] - ends[0], 0.0, 1.0, True
     while True:
         t = np.linspace(first, last, _SECTIONS)
         points = (ends[0][:, None] + span[:, None] * t).astype(signs[True].dtype)
+        points = np.where(whole[:, None], np.floor(points), points)
         value = judge(points, points, True).value
         k = int(np.abs(value).argmin())
         change = int((value >= 0).argmax())

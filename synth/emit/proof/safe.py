@@ -59,9 +59,14 @@ def require_safe(
     for claim in claims:
         if _holds(s, claim, R):
             continue
-        narrowed = _prove(s, arithmetic, R, proved, claim, block)
-        if narrowed and not claim.guards:
-            proved |= narrowed
+        intervals, refusal = _search(s, arithmetic, R, proved, replace(claim, guards=frozenset()))
+        if intervals is None and claim.guards:
+            under_guards, refusal = _search(s, arithmetic, R, proved, claim)
+            intervals = None if under_guards is None else {}
+        if intervals is None:
+            raise EmitError(_refusal(program, claim, block, *refusal))
+        if intervals:
+            proved |= intervals
             R = enclose(s, arithmetic, first, range(len(program.nodes)), proved)
     _require_counters(s, R, block)
     return tuple(Range(float(a.low[0]), float(a.high[0]), bool(a.nan[0])) for a in (R[k] for k in range(len(R))))
@@ -78,8 +83,9 @@ def require_output_ranges(program: Program, ranges: tuple[Range, ...], block: Bl
         if field.name in program.outputs:
             k = program.outputs[field.name]
             claim = _Claim(k, conditions.between(field.low, field.high, field.unit), (k,), frozenset())
-            if not _holds(s, claim, R):
-                _prove(s, arithmetic, R, {}, claim, block)
+            intervals, refusal = _search(s, arithmetic, R, {}, claim)
+            if intervals is None:
+                raise EmitError(_refusal(program, claim, block, *refusal))
 
 
 def _holds(s: Structure, claim: _Claim, R: Mapping[int, Interval]) -> bool:
@@ -139,20 +145,18 @@ def _dominator(s: Structure, R: Mapping[int, Interval], tops: Sequence[int]) -> 
     return []
 
 
-def _prove(
-    s: Structure,
-    arithmetic: Arithmetic,
-    R: Mapping[int, Interval],
-    proved: Mapping[int, Interval],
-    claim: _Claim,
-    block: Block,
-) -> dict[int, Interval]:
-    """Return narrower intervals that prove the claim; raise EmitError where bisection does not."""
+Refusal = tuple[Mapping[int, Interval], tuple[int, ...], bisection.Verdict]
+
+
+def _search(
+    s: Structure, arithmetic: Arithmetic, R: Mapping[int, Interval], proved: Mapping[int, Interval], claim: _Claim
+) -> tuple[dict[int, Interval] | None, Refusal]:
+    """Return narrower intervals that prove the claim, None where bisection does not, and then why not."""
     narrowed, infeasible = narrow_under(s, claim.guards, R)
     inside = enclose(s, arithmetic, {**R, **narrowed}, nodes_between(s, narrowed, [claim.k]))
+    refusal = inside, tuple[int, ...](), bisection.Verdict(False, 0)
     if infeasible.any() or _holds(s, claim, inside):
-        return {}
-    refusal = tuple[int, ...](), bisection.Verdict(False, 0)
+        return {}, refusal
     cuts = [leaves(s, inside, claim.watched, at_limits) for at_limits in (True, False)]
     cuts += [leaves(s, R, [*claim.watched, *(c for c, _ in claim.guards)], False)]  # this one decides the guards
     for cut in dict.fromkeys([*filter(None, cuts[:2]), *_dominator(s, inside, claim.watched), *filter(None, cuts[2:])]):
@@ -161,10 +165,10 @@ def _prove(
         judge = _judge(s, arithmetic, inside, proved, claim, cut)
         verdict = bisection.prove(low, high, whole, judge, claim.obligation.signed)
         if verdict.proved:
-            return {k: a for k, a in verdict.hull.items() if not a.empty[0]}
+            return {k: a for k, a in verdict.hull.items() if not a.empty[0]}, refusal
         if cut in cuts:
-            refusal = cut, verdict
-    raise EmitError(_refusal(s.program, inside, claim, block, *refusal))
+            refusal = inside, cut, verdict
+    return None, refusal
 
 
 def _judge(
@@ -208,9 +212,9 @@ def _judge(
 
 def _refusal(
     program: Program,
-    R: Mapping[int, Interval],
     claim: _Claim,
     block: Block,
+    R: Mapping[int, Interval],
     cut: tuple[int, ...],
     verdict: bisection.Verdict,
 ) -> str:
