@@ -16,11 +16,14 @@ LEFT, LEFT_YAW = 0.05, 0.2  # m/s, rad/s
 # rad/s: a second at rest is short for the mean innovation, and channels are off; docs/decisions/planar_faults.md
 LEFT_YAW_TILTED = 0.25
 
+TILTED = "tilted, off the middle"
 MOTION = {"x_ref": Sine(AMPLITUDE, 2 * pi), "y_ref": Sine(AMPLITUDE, 2 * pi, pi / 2)}
 REFUSED, LOST = ("not finite", "out of range"), ("not finite", "out of range", "frozen")
+# m; the yaw of a tilted platen off the middle is noisier, and the prediction that carries cables follows it more
+BRIDGED_TILTED = 6e-5
+BRIDGED_BY_CONDITION = {"at rest": BRIDGED, "in motion": BRIDGED, f"at rest, {TILTED}": BRIDGED_TILTED}
 JUMPED = ("bit flipped", "bit stuck")
 RATES = {"x": LEFT, "y": LEFT, "phi": LEFT_YAW}
-TILTED = "tilted, off the middle"
 RATES_BY_CONDITION = {
     "at rest": RATES,
     "in motion": RATES,
@@ -30,7 +33,12 @@ AFTER_JUMP = RATES | {"phi": 0.25}  # rad/s: a sample is contradicted before the
 LIMITS = (
     FaultLimit("false_alarms", 0.0),
     FaultLimit("healthy_impact", 0.0),
-    *(FaultLimit(f"excursion_{q}", BRIDGED, "V_*", kind, duration="short") for q in "xy" for kind in REFUSED),
+    *(
+        FaultLimit(f"excursion_{q}", most, "V_*", kind, condition, "short")
+        for condition, most in BRIDGED_BY_CONDITION.items()
+        for q in "xy"
+        for kind in REFUSED
+    ),
     *(
         FaultLimit(f"speed_{q}", v, "V_*", kind, condition, "permanent")
         for condition, rates in RATES_BY_CONDITION.items()
@@ -47,4 +55,7 @@ OPERATING_POINTS = {
         "x_ref": -0.0138, "y_ref": 0.0098, "phi_ref": 6e-3, "z_ref": 1e-4, "theta_ref": 1e-3, "psi_ref": -1e-3
     }
 }  # fmt: skip
-CAMPAIGN = FaultCampaign(MOTION, settle_s=1.0, watch_s=2.0, onsets=2, limits=LIMITS, operating_points=OPERATING_POINTS)
+INERTIAS = {"x": "M", "y": "M", "phi": "Izz", "z": "M", "theta": "Ixx", "psi": "Iyy"}
+CAMPAIGN = FaultCampaign(
+    MOTION, settle_s=1.0, watch_s=2.0, onsets=2, limits=LIMITS, operating_points=OPERATING_POINTS, inertias=INERTIAS
+)

@@ -34,6 +34,8 @@ SHARE = 0.5  # of the rates, removed in a braking sample
 INERTIA = {"x": "M", "y": "M", "phi": "Izz"}
 # A mean over 400 samples, and the samples until the latch. A lost laser leaves the yaw measured until then: its rate is
 # corrected by a sixth too much.
+# The force of cables and hoses: at most the 48 N that A and B make along y.
+DISTURBANCE = 30.0, 32.0  # rad/s, m/s^2
 BIAS = {"phi": dead_reckoning.RateBias(0.9975, interface.BAD_SAMPLES - 1 + interface.BRAKING)}
 
 
@@ -69,6 +71,7 @@ def axes(plant: Plant, time: Discrete, bandwidth: Bandwidth) -> list[dead_reckon
             FASTEST[axis],
             1 - bandwidth[axis] * time.period_s,
             BIAS.get(axis),
+            dead_reckoning.Disturbance(1 - DISTURBANCE[0] * time.period_s, DISTURBANCE[1]) if axis != "phi" else None,
         )
         for axis in HORIZONTAL
     ]

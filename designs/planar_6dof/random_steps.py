@@ -37,7 +37,7 @@ TINY = 1e-100  # V: the square of a smaller voltage may underflow
 LAW = ("loop_", "lqg_", "delay_")  # its Blocks
 SENSING, UNCONSTRAINED = (
     ("sensing_", "filter_", "reckoning_"),
-    ("sensing_contradiction_left", "sensing_first_", "sensing_watch_"),
+    ("sensing_contradiction_left", "sensing_first_", "sensing_watch_", "reckoning_x_dist", "reckoning_y_dist"),
 )  # prefixes of states; any value of the latter is plausible
 PREDICTED, VELOCITY_STEP, ACCELERATION_STEP = (
     3e-5,

@@ -50,6 +50,7 @@ FARTHEST = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad
 BRAKING = 24  # samples
 REMAINING = 0.5  # of the rate, after a braking sample
 MEAN = {"phi": 0.9975}  # pole of the mean innovation
+LEARNS, LARGEST = {"x": 30.0, "y": 30.0}, 32.0  # rad/s, m/s^2: of the disturbance
 PHASES = tuple(f"i_{motor}{phase}" for motor in CENTRES for phase in "ABC")
 VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the factor on the gain at low frequencies
     "z": ("323252", "102.91", "776.828", "0.65"),
@@ -148,7 +149,14 @@ def sample(
     begun = np.asarray(state["guard_ready"]) > 0
     axes = {
         a: dead_reckoning.Axis(
-            scales()[a] / inertia, bandwidth[a], FASTEST[a], FARTHEST[a], MEAN.get(a, 0.0), BAD_SAMPLES - 1 + BRAKING
+            scales()[a] / inertia,
+            bandwidth[a],
+            FASTEST[a],
+            FARTHEST[a],
+            MEAN.get(a, 0.0),
+            BAD_SAMPLES - 1 + BRAKING,
+            LEARNS.get(a, 0.0),
+            LARGEST,
         )
         for a, inertia in INERTIAS.items()
     }
@@ -205,7 +213,7 @@ def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
     """Return the state after init of guard, output and the compensators of `axes`, by name."""
     loops = {f"loop_{axis}_{part}": np.array(0.0) for axis in axes for part in ("integral", "lead")}
     guarded = guard.initial_state(dict.fromkeys(LIMITS, (0.0, 0.0)), PHASES, BAD_SAMPLES + BRAKING, HALL)
-    return guarded | loops | dead_reckoning.initial_state(INERTIAS, MEAN)
+    return guarded | loops | dead_reckoning.initial_state(INERTIAS, MEAN, LEARNS)
 
 
 def finish_step(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
-from designs.planar_6dof import failures, finite, voltages
+from designs.planar_6dof import failures, finite, loads, voltages
 from designs.planar_6dof.finite import Motion
 from designs.planar_6dof.loop import Array, growing_circle, measured_positions, simulate
 from designs.planar_6dof.paper.records import FIGURE_8
@@ -111,6 +111,7 @@ ALL = (
     Run("circle", circle_experiment),
     *shared.STANDSTILLS,
     *failures.ALL,
+    *loads.experiments(force_y=24.0),
     *shared.steps(FIGURE_8, TITLES, LIMITS, finite.step, "_finite"),
     Run("circle_finite", finite_circle),
     finite.STANDSTILL,

@@ -11,7 +11,7 @@ from math import pi
 import numpy as np
 
 from designs.planar_6dof import experiments as shared
-from designs.planar_6dof import failures, finite
+from designs.planar_6dof import failures, finite, loads
 from designs.planar_6dof.paper import records
 from synth.check import Check
 from synth.declare.experiments import Run
@@ -49,6 +49,7 @@ ALL = (
     Run("step_x_large", large_step),
     *shared.STANDSTILLS,
     *failures.ALL,
+    *loads.experiments(force_y=20.0),
     *shared.steps(STEPS, TITLES, None, finite.step, "_finite"),
     finite.STANDSTILL,
 )

@@ -10,6 +10,13 @@ e = q - p:
 The gains place both poles at z = r (critical damping). An acceleration that differs from b f by d leads to
 e = d T^2 / (1 - r)^2, so e tells a measurement that contradicts the motion from a noisy one.
 
+Where an axis has a `disturbance`, d itself is a state, as h = d T^2/2, and a becomes a + h:
+
+    q^ = p + k_p e,  s^ = s + k_s e,  h+ = h + k_h e,   k_h = R^2 S / 2,  k_s = R^2 + 2 R S - k_h,  k_p = 2 R + S - k_s
+
+with R = 1 - r and S = 1 - r_d, for poles at r, r and r_d. A steady force, such as that of a cable, then leaves no
+innovation and no error of the rate, and e falls to 0 within some 1/(1 - r_d) samples of a change.
+
 A constant d also leaves the predicted rate behind the true one by
 
     b T = e ((1 - r^2) + (1 - r)^2 / 2),  and in n samples without measurement d adds n (1 - r)^2 e to it.
@@ -57,6 +64,15 @@ class RateBias:
 
 @arguments.checked
 @dataclass(frozen=True)
+class Disturbance:
+    """An acceleration that b f leaves out, as a state: its pole r_d, between 0 and 1, and its bound."""
+
+    pole: float
+    largest: float
+
+
+@arguments.checked
+@dataclass(frozen=True)
 class Axis:
     """One axis q'' = b f of a machine.
 
@@ -67,6 +83,7 @@ class Axis:
     fastest       bound of the rate, in the unit of q per s
     pole          r, between 0 and 1
     bias          what to add to the rate for a constant disturbance, None for nothing
+    disturbance   a disturbance that is estimated, bounded in the unit of q per s^2, None for none
     """
 
     name: str
@@ -77,6 +94,7 @@ class Axis:
     fastest: float
     pole: float
     bias: RateBias | None = None
+    disturbance: Disturbance | None = None
 
     @property
     def per_effort(self) -> str:
@@ -112,13 +130,14 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
         for axis in axes:
             p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
             q, a = u[axis.measured.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
+            h = x[f"{axis.name}_disturbance"] if axis.disturbance else ca.SX(0)
             corrects = ca.logic_and(u[READY.name], u[MEASURED.name])
             innovation = q - p
             bridged = ca.if_else(u[READY.name], p, q) if axis.bias else q
             corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * innovation, bridged)
             rate = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * innovation, s)
-            middle = rate + a
-            advance = middle + a
+            middle = rate + (a + h)
+            advance = middle + (a + h)
             if axis.bias:
                 mean = x[f"{axis.name}_mean"]
                 learnt = clip(mean + k[f"{axis.name}_mean_gain"] * (innovation - mean), _mean(axis))
@@ -129,7 +148,10 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             output |= {axis.predicted.name: p, axis.advance(time).name: advance}
             position = clip(corrected + middle, axis.predicted)
             named.append((Signal(f"{axis.name}_next", axis.measured.unit, *_ends(axis)), position))
-            next |= {f"{axis.name}_position": position, f"{axis.name}_rate": middle + a}
+            next |= {f"{axis.name}_position": position, f"{axis.name}_rate": middle + (a + h)}
+            if axis.disturbance:
+                learnt = clip(h + k[f"{axis.name}_disturbance_gain"] * innovation, _disturbance(axis, time))
+                next[f"{axis.name}_disturbance"] = ca.if_else(corrects, learnt, h)
         certified = {f"{axis.name}_next": partial(_largest, axis, time) for axis in axes}
         certified |= {f"{axis.name}_mean_next": partial(_largest_mean, axis.bias, axis) for axis in axes if axis.bias}
         return Step(output, next, named, certified, [n for axis in axes for n in _numbers(axis, time)])
@@ -150,9 +172,11 @@ def _ends(axis: Axis) -> tuple[float, float]:
 
 def _largest(axis: Axis, time: Discrete, u: float, e: float) -> float:
     """Return a bound on the prediction: that before is at its own, and all that is added at theirs, with rounding u."""
-    r, p, q, effort = axis.pole, *(max(abs(s.low), abs(s.high)) for s in (axis.predicted, axis.measured, axis.effort))
-    moved = axis.advance(time).high + (1 - r) ** 2 * (p + q) + abs(_half_step(axis, time)) * effort
-    return (max(r**2 * p + (1 - r**2) * q, q) + moved) * (1 + 16 * u)
+    p, q, effort = (max(abs(s.low), abs(s.high)) for s in (axis.predicted, axis.measured, axis.effort))
+    k_p, k_s, _ = _gains(axis)
+    h = _disturbance(axis, time).high if axis.disturbance else 0.0
+    moved = axis.advance(time).high + k_s * (p + q) + abs(_half_step(axis, time)) * effort + h
+    return (max((1 - k_p) * p + k_p * q, q) + moved) * (1 + 16 * u)
 
 
 def _largest_innovation(measured: Signal, predicted: Signal) -> float:
@@ -175,6 +199,23 @@ def _largest_mean(bias: RateBias, axis: Axis, u: float, e: float) -> float:
     return (r * _mean(axis).high + (1 - r) * _largest_innovation(axis.measured, axis.predicted)) * (1 + 16 * u)
 
 
+def _gains(axis: Axis) -> tuple[float, float, float]:
+    """Return k_p, k_s and k_h."""
+    if not axis.disturbance:
+        return 1 - axis.pole**2, (1 - axis.pole) ** 2, 0.0
+    R, S = 1 - axis.pole, 1 - axis.disturbance.pole
+    k_h = R**2 * S / 2
+    k_s = R**2 + 2 * R * S - k_h
+    return 2 * R + S - k_s, k_s, k_h
+
+
+def _disturbance(axis: Axis, time: Discrete) -> Signal:
+    """Return h."""
+    assert axis.disturbance is not None
+    most = axis.disturbance.largest * time.period_s**2 / 2
+    return Signal(f"{axis.name}_disturbance", axis.measured.unit, -most, most, "T^2 / 2 times the disturbance")
+
+
 def _half_step(axis: Axis, time: Discrete) -> float:
     return axis.acceleration * time.period_s**2 / 2
 
@@ -183,16 +224,23 @@ def _states(axis: Axis, time: Discrete) -> list[State]:
     predicted = replace(axis.predicted, name=f"{axis.name}_position", about="position predicted for this sample")
     rate = replace(axis.advance(time), name=f"{axis.name}_rate")
     states = [State(predicted, min(max(0.0, predicted.low), predicted.high)), State(rate, 0.0)]
+    states += [State(_disturbance(axis, time), 0.0)] if axis.disturbance else []
     return [*states, State(_mean(axis), 0.0)] if axis.bias else states
 
 
 def _constants(axis: Axis, time: Discrete) -> list[Constant]:
     r, per = axis.pole, quotient_unit(axis.measured.unit, axis.effort.unit)
+    k_p, k_s, k_h = _gains(axis)
+    sources = (f"1 - r^2, r = {r:g}", f"(1 - r)^2, r = {r:g}")
+    if axis.disturbance:
+        sources = (f"k_p for poles {r:g}, {r:g} and {axis.disturbance.pole:g}", "k_s for the same poles")
     constants = [
-        Constant(f"{axis.name}_position_gain", 1 - r**2, "1", f"1 - r^2, r = {r:g}"),
-        Constant(f"{axis.name}_rate_gain", (1 - r) ** 2, "1", f"(1 - r)^2, r = {r:g}"),
+        Constant(f"{axis.name}_position_gain", k_p, "1", sources[0]),
+        Constant(f"{axis.name}_rate_gain", k_s, "1", sources[1]),
         Constant(f"{axis.name}_half_step", _half_step(axis, time), per, f"T^2 / 2 times {axis.per_effort}"),
     ]
+    if axis.disturbance:
+        constants.append(Constant(f"{axis.name}_disturbance_gain", k_h, "1", "k_h for the same poles"))
     if not axis.bias:
         return constants
     n, mean_gain = axis.bias.unmeasured, 1 - axis.bias.pole
@@ -218,9 +266,13 @@ def _check(name: str, axes: Sequence[Axis]) -> None:
     if not axes:
         raise SignalError(f"'{name}' has no axis: give at least one")
     for axis in axes:
-        for pole in (axis.pole, *([axis.bias.pole] if axis.bias else ())):
+        for pole in (axis.pole, *(part.pole for part in (axis.bias, axis.disturbance) if part)):
             if not 0 < pole < 1:
                 raise SignalError(f"a pole of axis '{axis.name}' is {pole}: it must lie between 0 and 1")
+        if axis.disturbance and not axis.disturbance.largest > 0:
+            raise SignalError(
+                f"the disturbance of axis '{axis.name}' is at most {axis.disturbance.largest}: give a bound"
+            )
         if axis.bias and axis.bias.unmeasured < 0:
             raise SignalError(f"axis '{axis.name}' is not measured for {axis.bias.unmeasured} samples: give 0 or more")
         if not axis.acceleration:

@@ -12,6 +12,7 @@ from synth.blocks.estimate import dead_reckoning
 from synth.blocks.estimate.dead_reckoning import Axis
 from synth.blocks.guard import safe_output, safety
 from synth.composition import compose
+from synth.errors import SignalError
 from synth.execute.host import compile_block
 from synth.signals import Signal
 from synth.statespace import Array
@@ -82,6 +83,47 @@ def test_an_unknown_acceleration_is_the_innovation() -> None:
     q = motion(np.full(400, d / B), v=0.0)
     predicted, _ = run(dead_reckoning.block("reckoning", TIME, [AXIS]), q, f)
     assert (q - predicted)[-1] == pytest.approx(d * T**2 / (1 - R) ** 2, rel=1e-6)
+
+
+FORCED = replace(AXIS, disturbance=dead_reckoning.Disturbance(0.97, 5.0))
+
+
+def predict(axis: Axis, d: float, bad: Sequence[int] = (), n: int = 600) -> tuple[Array, Array]:
+    """Return q less its prediction and the advance (N,) of an axis on which d m/s^2 act from the start."""
+    q = motion(np.full(n, d / B), q=0.0, v=0.0)
+    predicted, advance = run(dead_reckoning.block("reckoning", TIME, [axis]), q, np.zeros(n), bad)
+    return q - predicted, advance
+
+
+def test_a_steady_force_leaves_an_innovation_until_its_axis_has_learnt_it() -> None:
+    d, steady = 0.2, 0.2 * T**2 / (1 - R) ** 2
+    assert predict(AXIS, d)[0][-1] == pytest.approx(steady, rel=1e-9)
+    learnt, advance = predict(FORCED, d)
+    assert abs(learnt[-1]) < 1e-5 * steady < 0.4 * steady < learnt.max() < 0.7 * steady
+    decays = np.convolve(learnt[100:], np.poly([R, R, 0.97]), "valid")  # of the three poles
+    assert np.abs(decays).max() < 1e-11 * learnt.max()
+    assert advance[-1] == pytest.approx(d * T * T * 600, rel=1e-6)  # the rate has no error
+
+
+def test_a_disturbance_beyond_its_bound_leaves_the_innovation_of_the_rest() -> None:
+    limited = replace(AXIS, disturbance=dead_reckoning.Disturbance(0.97, 0.05))
+    _, k_s, k_h = (c.value for c in dead_reckoning.block("r", TIME, [limited]).constants if "gain" in c.name)
+    rest, _ = predict(limited, 0.2)
+    assert rest[-1] == pytest.approx(0.15 * T**2 / k_s, rel=1e-6) and k_h > 0
+
+
+def test_an_unmeasured_axis_goes_on_under_the_force_that_it_knows() -> None:
+    gap = range(500, 540)
+    known, unknown = (predict(axis, 0.2, gap)[0] for axis in (FORCED, AXIS))
+    assert abs(known[539]) < 1e-8 < 1e-4 < abs(unknown[539])
+
+
+@pytest.mark.parametrize(("pole", "largest", "message"), [
+    (1.0, 5.0, "a pole of axis 'q' is 1.0"), (0.97, 0.0, "the disturbance of axis 'q' is at most 0.0: give a bound"),
+])  # fmt: skip
+def test_a_disturbance_that_cannot_be_learnt_is_refused(pole: float, largest: float, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        dead_reckoning.block("r", TIME, [replace(AXIS, disturbance=dead_reckoning.Disturbance(pole, largest))])
 
 
 BIASED = replace(AXIS, bias=dead_reckoning.RateBias(0.99, 30))
