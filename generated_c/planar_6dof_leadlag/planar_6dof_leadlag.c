@@ -710,25 +710,29 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, phi_raw, guard_ready);
 
         /* reckoning: alpha-beta filter, dead reckoning
-         *     corrects_x_y_phi = guard_ready and measured
-         *     innovation_x = x_raw - x_position; likewise innovation_phi, innovation_y
-         *     a_x = x_half_step * delay_x; likewise a_y, a_phi
-         *     middle_x = (x_rate + x_rate_gain * innovation_x if corrects_x_y_phi, else x_rate) + a_x; likewise
-         *         middle_y, middle_phi
-         *     advance_phi = middle_phi + a_phi; likewise x_advance, y_advance
-         *     phi_advance = advance_phi + phi_bias_gain * phi_mean
-         *     phi_rate_next = limit(advance_phi, phi_rate_limit) */
+         *     x_advance = (x_rate + x_rate_gain * (x_raw - x_position) if guard_ready and measured, else x_rate) +
+         *         x_half_step * delay_x + x_disturbance + x_half_step * delay_x + x_disturbance; likewise
+         *         y_advance
+         *     phi_advance = (phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and measured, else
+         *         phi_rate) + phi_half_step * delay_phi + phi_half_step * delay_phi + phi_bias_gain * phi_mean
+         *     x_disturbance_next = limit(x_disturbance + x_disturbance_gain * (x_raw - x_position), 1.6e-05) if
+         *         guard_ready and measured, else x_disturbance; likewise y_disturbance_next
+         *     phi_rate_next = limit((phi_rate + phi_rate_gain * (phi_raw - phi_position) if guard_ready and
+         *         measured, else phi_rate) + phi_half_step * delay_phi + phi_half_step * delay_phi,
+         *         phi_rate_limit) */
         static const float phi_position_limit = 0.05f;          /* rad; largest position that is predicted */
         static const float rate_limit = 0.002f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
         static const float phi_rate_limit = 0.04f; /* rad; 40 rad/s times T: largest rate that is predicted */
-        static const float reckoning_x_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
-        static const float reckoning_x_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
+        static const float reckoning_x_position_gain = 0.12085056f; /* 1; k_p for poles 0.952, 0.952 and 0.97 */
+        static const float reckoning_x_rate_gain = 0.00514944f; /* 1; k_s for the same poles */
         /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
         static const float reckoning_x_half_step = 6.315046e-06f;
-        static const float reckoning_y_position_gain = 0.093696f; /* 1; 1 - r^2, r = 0.952 */
-        static const float reckoning_y_rate_gain = 0.002304f;   /* 1; (1 - r)^2, r = 0.952 */
+        static const float reckoning_x_disturbance_gain = 3.456e-05f; /* 1; k_h for the same poles */
+        static const float reckoning_y_position_gain = 0.12085056f; /* 1; k_p for poles 0.952, 0.952 and 0.97 */
+        static const float reckoning_y_rate_gain = 0.00514944f; /* 1; k_s for the same poles */
         /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
         static const float reckoning_y_half_step = 6.315046e-06f;
+        static const float reckoning_y_disturbance_gain = 3.456e-05f; /* 1; k_h for the same poles */
         static const float reckoning_phi_position_gain = 0.015936f; /* 1; 1 - r^2, r = 0.992 */
         static const float reckoning_phi_rate_gain = 6.4e-05f;  /* 1; (1 - r)^2, r = 0.992 */
         /* rad/A; T^2 / 2 times the acceleration of 223.259 rad/s^2 per A */
@@ -738,6 +742,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float reckoning_x_rate = state->reckoning_x_rate;
         const float reckoning_y_rate = state->reckoning_y_rate;
         const float reckoning_phi_rate = state->reckoning_phi_rate;
+        const float reckoning_x_disturbance = state->reckoning_x_disturbance;
+        const float reckoning_y_disturbance = state->reckoning_y_disturbance;
         float corrected_x = x_raw;
         float rate_x = reckoning_x_rate;
         float corrected_y = y_raw;
@@ -748,26 +754,30 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             const float phi_mean_next = reckoning_phi_mean +
                 (reckoning_phi_mean_gain * (innovation_phi - reckoning_phi_mean));
             /*@ admit -0.075075f <= phi_mean_next <= 0.075075f; */
-            state->reckoning_phi_mean = phi_mean_next;
             const float innovation_x_2 = x_raw - reckoning_x_position;
+            state->reckoning_x_disturbance = planar_6dof_leadlag_limit(reckoning_x_disturbance +
+                (reckoning_x_disturbance_gain * innovation_x_2), 1.6e-05f);
+            const float innovation_y_2 = y_raw - reckoning_y_position;
+            state->reckoning_y_disturbance = planar_6dof_leadlag_limit(reckoning_y_disturbance +
+                (reckoning_y_disturbance_gain * innovation_y_2), 1.6e-05f);
+            state->reckoning_phi_mean = phi_mean_next;
             corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_2);
             rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_2);
-            const float innovation_y_2 = y_raw - reckoning_y_position;
             corrected_y = reckoning_y_position + (reckoning_y_position_gain * innovation_y_2);
             rate_y = reckoning_y_rate + (reckoning_y_rate_gain * innovation_y_2);
             corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
             rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
         }
-        const float a_x = reckoning_x_half_step * state->delay_x;
-        const float middle_x = rate_x + a_x;
+        const float x_next_sum = (reckoning_x_half_step * state->delay_x) + reckoning_x_disturbance;
+        const float middle_x = rate_x + x_next_sum;
         const float x_next = corrected_x + middle_x;
         /*@ admit -0.2f <= x_next <= 0.2f; */
-        const float x_advance = middle_x + a_x;
-        const float a_y = reckoning_y_half_step * state->delay_y;
-        const float middle_y = rate_y + a_y;
+        const float x_advance = middle_x + x_next_sum;
+        const float y_next_sum = (reckoning_y_half_step * state->delay_y) + reckoning_y_disturbance;
+        const float middle_y = rate_y + y_next_sum;
         const float y_next = corrected_y + middle_y;
         /*@ admit -0.2f <= y_next <= 0.2f; */
-        const float y_advance = middle_y + a_y;
+        const float y_advance = middle_y + y_next_sum;
         const float a_phi = reckoning_phi_half_step * state->delay_phi;
         const float middle_phi = rate_phi + a_phi;
         const float phi_next = planar_6dof_leadlag_limit(corrected_phi + middle_phi, phi_position_limit);

@@ -16,9 +16,9 @@
  * What this does to the machine:
  *   - the air bearings carry the platen, and without current no force acts on it
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.00014 m/s (z) and 0.0034 rad/s (theta)
- *   - in motion the machine reaches 0.0035 m/s (x) and 0.093 rad/s (phi)
- *   - at rest, tilted, off the middle the machine reaches 0.0053 m/s (y) and 0.2 rad/s (psi)
+ *     machine reaches 0.0003 m/s (y) and 0.0034 rad/s (theta)
+ *   - in motion the machine reaches 0.0052 m/s (x) and 0.093 rad/s (phi)
+ *   - at rest, tilted, off the middle the machine reaches 0.0023 m/s (z) and 0.21 rad/s (phi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
@@ -60,7 +60,9 @@
  * before init.
  *
  * Before the first sample in which all Hall voltages are good no current is demanded, since x, y and the yaw are not
- * known. Six suspects at once can also mean a dead or reversed phase, a steady force above 1.8 N, or missed calls.
+ * known. Six suspects at once can also mean a dead or reversed phase, a force that jumps by more than 4 N, or missed
+ * calls. The force of a cable or a hose is learnt: up to 12 N in x and 20 N in y, applied within two seconds, set no
+ * bit.
  *
  * Calibrate the sensitivity of each Hall channel to 0.2 % and its offset to 2 mV: what a single channel is off by turns
  * the platen, by up to 6 mrad at the worst place of a pitch. With 0.5 % and 5 mV it turns by up to 15 mrad there, and
@@ -184,8 +186,10 @@ typedef struct {
     float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
     float reckoning_x_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
     float reckoning_x_rate;             /* m, -0.002 .. 0.002: predicted rate times the sample period */
+    float reckoning_x_disturbance;      /* m, -1.6e-05 .. 1.6e-05: T^2 / 2 times the disturbance */
     float reckoning_y_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
     float reckoning_y_rate;             /* m, -0.002 .. 0.002: predicted rate times the sample period */
+    float reckoning_y_disturbance;      /* m, -1.6e-05 .. 1.6e-05: T^2 / 2 times the disturbance */
     float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
     float reckoning_phi_rate;           /* rad, -0.04 .. 0.04: predicted rate times the sample period */
     float reckoning_phi_mean;           /* rad, -0.075075 .. 0.075075: mean innovation */
@@ -216,11 +220,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_leadlag_input_t) == 60u, "size of planar_6dof_leadlag_input_t");
 _Static_assert(sizeof(planar_6dof_leadlag_output_t) == 36u, "size of planar_6dof_leadlag_output_t");
-_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 280u, "size of planar_6dof_leadlag_state_t");
+_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 288u, "size of planar_6dof_leadlag_state_t");
 #else
 extern char planar_6dof_leadlag_input_size_is_60[(sizeof(planar_6dof_leadlag_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_leadlag_output_size_is_36[(sizeof(planar_6dof_leadlag_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_leadlag_state_size_is_280[(sizeof(planar_6dof_leadlag_state_t) == 280u) ? 1 : -1];
+extern char planar_6dof_leadlag_state_size_is_288[(sizeof(planar_6dof_leadlag_state_t) == 288u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
