@@ -129,15 +129,15 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
         named: list[tuple[Signal, ca.SX]] = []
         for axis in axes:
             p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
-            q, a = u[axis.measured.name], k[f"{axis.name}_half_step"] * u[axis.effort.name]
-            h = x[f"{axis.name}_disturbance"] if axis.disturbance else ca.SX(0)
+            q, h = u[axis.measured.name], x[f"{axis.name}_disturbance"] if axis.disturbance else 0
+            a = k[f"{axis.name}_half_step"] * u[axis.effort.name] + h
             corrects = ca.logic_and(u[READY.name], u[MEASURED.name])
             innovation = q - p
             bridged = ca.if_else(u[READY.name], p, q) if axis.bias else q
             corrected = ca.if_else(corrects, p + k[f"{axis.name}_position_gain"] * innovation, bridged)
             rate = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * innovation, s)
-            middle = rate + (a + h)
-            advance = middle + (a + h)
+            middle = rate + a
+            advance = middle + a
             if axis.bias:
                 mean = x[f"{axis.name}_mean"]
                 learnt = clip(mean + k[f"{axis.name}_mean_gain"] * (innovation - mean), _mean(axis))
@@ -148,10 +148,10 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             output |= {axis.predicted.name: p, axis.advance(time).name: advance}
             position = clip(corrected + middle, axis.predicted)
             named.append((Signal(f"{axis.name}_next", axis.measured.unit, *_ends(axis)), position))
-            next |= {f"{axis.name}_position": position, f"{axis.name}_rate": middle + (a + h)}
+            next |= {f"{axis.name}_position": position, f"{axis.name}_rate": middle + a}
             if axis.disturbance:
-                learnt = clip(h + k[f"{axis.name}_disturbance_gain"] * innovation, _disturbance(axis, time))
-                next[f"{axis.name}_disturbance"] = ca.if_else(corrects, learnt, h)
+                learnt_force = clip(h + k[f"{axis.name}_disturbance_gain"] * innovation, _disturbance(axis, time))
+                next[f"{axis.name}_disturbance"] = ca.if_else(corrects, learnt_force, h)
         certified = {f"{axis.name}_next": partial(_largest, axis, time) for axis in axes}
         certified |= {f"{axis.name}_mean_next": partial(_largest_mean, axis.bias, axis) for axis in axes if axis.bias}
         return Step(output, next, named, certified, [n for axis in axes for n in _numbers(axis, time)])
@@ -256,7 +256,10 @@ def _constants(axis: Axis, time: Discrete) -> list[Constant]:
 def _numbers(axis: Axis, time: Discrete) -> list[Constant]:
     unit, advance = axis.measured.unit, axis.advance(time)
     rate = f"{axis.fastest:g} {unit}/s times T: largest rate that is predicted"
+    most = [_disturbance(axis, time)] if axis.disturbance else []
+    force = "T^2 / 2 times the largest disturbance that is learnt"
     return [
+        *(Constant(f"{axis.name}_disturbance_limit", s.high, unit, force) for s in most),
         Constant(f"{axis.name}_position_limit", axis.predicted.high, unit, "largest position that is predicted"),
         Constant(f"{axis.name}_rate_limit", advance.high, unit, rate),
     ]
