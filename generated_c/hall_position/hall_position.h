@@ -30,7 +30,7 @@
  * Hall-Effect Sensors".
  *
  * The gains and numbers in hall_position.c hold for one plant and one period: for other masses, geometry or magnets, or
- * another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ * another period, generate the files again. gains.json says where each gain comes from.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error. The source

@@ -27,7 +27,7 @@
  * model.
  *
  * The gains and numbers in hall_position_four.c hold for one plant and one period: for other masses, geometry or
- * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ * magnets, or another period, generate the files again. gains.json says where each gain comes from.
  *
  * With HALL_POSITION_FOUR_DIAGNOSTICS defined, for the .c as well, hall_position_four_step_diagnosed also says which
  * signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.

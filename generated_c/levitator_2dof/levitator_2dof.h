@@ -38,7 +38,7 @@
  * Signs of what a positive value accelerates, from the plant: i1 +z; i2 +x.
  *
  * The gains and numbers in levitator_2dof.c hold for one plant and one period: for other masses, geometry or magnets,
- * or another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ * or another period, generate the files again. gains.json says where each gain comes from.
  *
  * With LEVITATOR_2DOF_DIAGNOSTICS defined, for the .c as well, levitator_2dof_step_diagnosed also says which signals it
  * computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.

@@ -180,7 +180,7 @@
  * bounds may follow from them too.
  *
  * The gains and numbers in maglev_5dof_precise.c hold for one plant and one period: for other masses, geometry or
- * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ * magnets, or another period, generate the files again. gains.json says where each gain comes from.
  *
  * With MAGLEV_5DOF_PRECISE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_precise_step_diagnosed also says which
  * signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.

@@ -35,7 +35,7 @@
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
  *
  * The gains and numbers in maglev_5dof_precise_phase.c hold for one plant and one period: for other masses, geometry or
- * magnets, or another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ * magnets, or another period, generate the files again. gains.json says where each gain comes from.
  *
  * With MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_precise_phase_step_diagnosed also
  * says which signals it computed. Without the macro the diagnostics cost nothing.

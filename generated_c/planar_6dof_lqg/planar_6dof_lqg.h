@@ -87,7 +87,7 @@
  * polynomials and bounds may follow from them too.
  *
  * The gains and numbers in planar_6dof_lqg.c hold for one plant and one period: for other masses, geometry or magnets,
- * or another period, generate the files again. gains.json and manifest.json say where each number comes from.
+ * or another period, generate the files again. gains.json says where each gain comes from.
  *
  * With PLANAR_6DOF_LQG_DIAGNOSTICS defined, for the .c as well, planar_6dof_lqg_step_diagnosed also says which signals
  * it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.

@@ -140,7 +140,7 @@ def _usage(
         *(["What may fail, and what follows:", failure_rows(block)] if block.failures else []),
         *notes,
         f"The gains and numbers in {name}.c hold for one plant and one period: for other masses, geometry or magnets, "
-        "or another period, generate the files again. gains.json and manifest.json say where each number comes from.",
+        "or another period, generate the files again. gains.json says where each gain comes from.",
         *_observation(block, program),
         f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error. "
         f"{UNSEEN}",
