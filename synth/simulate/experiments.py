@@ -237,7 +237,7 @@ def _withstand(declared: Withstand, rig: Rig) -> Experiment:
 
 
 def largest_share(rig: Rig, experiment: Any) -> dict[str, float]:
-    """Return the largest share of an experiment's effects that keeps its limits, by a name that says which ends it.
+    """Return the largest share of an experiment's effects that keeps its limits, by a name that says what ends it.
 
     It is bisected to SHARE_RESOLUTION of itself, from LEAST_SHARE (0 where that is too much) to MOST_SHARE: what fails
     at a share is taken to fail at all larger ones. The result is empty for an experiment without effects.
@@ -249,7 +249,9 @@ def largest_share(rig: Rig, experiment: Any) -> dict[str, float]:
     def first_failure(share: float) -> str:
         larger = replace(under, effects=[effect.scaled(share) for effect in under.effects])
         checks = result(replace(experiment, conditions=larger), rig).checks
-        return next((c.name for c in checks if not c.passed), "")
+        return next(
+            (c.name for c in reversed(checks) if not c.passed), ""
+        )  # fault bits, from which much follows, first
 
     low, high, first = 0.0, 1.0, first_failure(1.0)
     while not first and high < MOST_SHARE:
@@ -260,7 +262,7 @@ def largest_share(rig: Rig, experiment: Any) -> dict[str, float]:
         reason = first_failure(middle)
         low, high, first = (low, middle, reason) if reason else (middle, high, first)
     ends = f"until {first}" if first else "within all limits"
-    return {f"largest share of the effects, {ends}": low if first else high}
+    return {f"largest share of the effects {ends}, 1": low if first else high}
 
 
 def _sensor_faults(faults: SensorFaults, rig: Rig) -> Experiment:

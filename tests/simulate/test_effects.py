@@ -166,13 +166,13 @@ def test_the_largest_share_is_that_of_the_actuator(rig: Rig) -> None:
     run, shares = experiments.run(rig, [push], lambda _: None)[0], experiments.largest_share(rig, push)
     assert all(c.passed for c in run.checks) and run.title == "In motion for 4 s, x = 0, Force on x"
     (what, share), most = *shares.items(), (K * 2.0 + S * 1e-3) / 4.0
-    assert what == "largest share of the effects, until impact on the stop of x"
+    assert what == "largest share of the effects until impact on the stop of x, 1"
     assert 0.94 * most <= share <= most and run.figures[what] == share
 
 
 def test_a_share_within_all_limits_and_one_that_is_nothing(rig: Rig) -> None:
     light, heavy = (Withstand("w", Conditions(effects=[Force("x", f)]), 3.0, {"x_ref": 0.0}) for f in (1e-3, 1e4))
-    assert experiments.largest_share(rig, light) == {"largest share of the effects, within all limits": 16.0}
+    assert experiments.largest_share(rig, light) == {"largest share of the effects within all limits, 1": 16.0}
     assert [*experiments.largest_share(rig, heavy).values()] == [0.0]
     assert experiments.largest_share(rig, Hold({"x_ref": 1e-5})) == {}
 
