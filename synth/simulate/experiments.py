@@ -224,7 +224,7 @@ def _withstand(declared: Withstand, rig: Rig) -> Experiment:
     rig, time = campaign.with_stops(rig), sample_times(declared.duration_s, rig.period_s)
     courses = conditions.profiles(rig.stage.interface, declared.set_points, time) or campaign.motion(rig, time)
     under = replace(declared.conditions, start=campaign.start_of(rig, courses) | dict(declared.conditions.start))
-    trajectory = _trajectory(rig, declared.duration_s, courses, under)
+    trajectory = _trajectory(rig, declared.duration_s, courses, under, settled=False)
     shown = {rig.positions[name]: course for name, course in courses.items()}
     units, rates = trajectory.units, rig.stage.velocities
     figures = {f"largest |e_{q}|, {units[q]}": float(np.abs(trajectory[q] - r).max()) for q, r in shown.items()}
