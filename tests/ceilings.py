@@ -17,7 +17,7 @@ BUILDS = {build.name: build for build in meter.BUILDS}
 O2, OS, CONTRACTED, ZIG = "gcc, newlib", "gcc, newlib, small", "gcc, newlib, contracted", "zig, musl"
 CEILINGS = {
     # 900 were asked for of both planar controllers, which predict and brake; the watch over repeated codes takes some
-    # ten more, so does the test that no demand passes before the first complete sample, and the force of a cable fifteen.
+    # ten more, the test that no demand passes before the first complete sample ten, and the force of a cable fifteen.
     "planar_6dof_leadlag": {O2: 940, OS: 895, CONTRACTED: 890},
     "planar_6dof_lqg": {O2: 930, OS: 900, CONTRACTED: 892},
     "planar, recorded": {O2: 925},

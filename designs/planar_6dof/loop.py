@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from designs.planar_6dof import filtering, interface
+from designs.planar_6dof import faults, filtering, interface
 from designs.planar_6dof.sensing import sections as sensing
 from models import halbach, planar_stage
 from synth.block import Block, unranged
@@ -38,7 +38,8 @@ def of(block: Block, controller: host.Controller | None = None, declared: Interf
     plant = planar_stage.plant(halbach.HARMONICS)
     chosen = declared or (interface.BRAKED if block.safety and block.safety.braking else interface.INTERFACE)
     named = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block, chosen)
-    return Rig(Stage(named, plant, substeps=interface.SUBSTEPS), plant, controller or compile_block(block))
+    declared_stage = Stage(named, plant, substeps=interface.SUBSTEPS, faults=faults.CAMPAIGN)
+    return Rig(declared_stage, plant, controller or compile_block(block))
 
 
 def growing_circle(time: Array, radius: float, rate: float, growth: float) -> dict[str, Array]:
