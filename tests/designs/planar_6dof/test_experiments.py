@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, failures, interface, lqg, voltages
+from designs.planar_6dof import allocation, failures, interface, loads, lqg, voltages
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.paper import rows as paper
@@ -34,6 +34,9 @@ STEPS = ("step_x", "step_y", "step_phi")
 RESTS = ("standstill", "standstill_printed_noise", "standstill_6.525_V", "standstill_24_V")
 FAILURES = [f"{kind}_{where}" for where in ("resting", "moving") for kind in ("nan", "zero", "stuck")]
 FAILURES += ["zero_anywhere", "stuck_anywhere"]
+LOADS = [
+    f"withstands_{what}" for what in ["force_x", "force_y", "cables", "waves", "noise", "floor", "currents", "all"]
+]
 
 
 @pytest.fixture(scope="module")
@@ -60,8 +63,8 @@ def test_every_experiment_keeps_its_limits(all_runs: Runs) -> None:
     checks = [(n, e.name, c) for n, run in all_runs.items() for e in run.values() for c in e.checks]
     assert not [f"{n} {e}: {c.name} {c.value:.4g} > {c.limit:.4g} {c.unit}" for n, e, c in checks if not c.passed]
     assert len(checks) >= 80
-    assert set(all_runs["leadlag"]) == {*STEPS, "circle", *RESTS, *FAILURES}
-    assert set(all_runs["lqg"]) == {*STEPS, "step_x_large", *RESTS, *FAILURES}
+    assert set(all_runs["leadlag"]) == {*STEPS, "circle", *RESTS, *FAILURES, *LOADS}
+    assert set(all_runs["lqg"]) == {*STEPS, "step_x_large", *RESTS, *FAILURES, *LOADS}
 
 
 def test_steps_of_the_lead_lag_controller(all_runs: Runs) -> None:
@@ -226,3 +229,16 @@ def test_late_braking_and_a_late_latch_after_it_are_caught(optimal: Rig) -> None
     assert caught(without(zero, LATCH_BIT), "zero") >= {latch, "channels whose failure is not noticed"}
     named = [b for b in range(BRAKING_BIT) if zero.bits["V_cx"] >> b & 1]
     assert caught(without(zero, BRAKING_BIT, *named), "zero") >= {braking}
+
+
+def test_waves_of_the_field_are_a_share_of_the_fundamental_in_the_voltages() -> None:
+    wavy, pose = loads.with_waves(PLANT, 1.0), [0.013, 0.007, *np.zeros(10)]
+    x = [*pose[:2], *np.zeros(len(PLANT.states) - 2)]
+    u = np.zeros(len(PLANT.inputs))
+    plain, seen = (np.asarray(p.h(x, u, p.values)).ravel() for p in (PLANT, wavy))
+    w = 2 * np.pi / PLANT.parameter("l").value
+    number = [o.name for o in PLANT.outputs].index("V_ax")
+    fundamental = calibration.of(PLANT).volts_per_metre / w
+    expected = 0.02 * fundamental * (np.sin(3 * w * 0.013) + np.sin(5 * w * 0.013))
+    assert seen[number] - plain[number] == pytest.approx(expected, rel=1e-3)
+    np.testing.assert_array_equal(np.asarray(wavy.f(x, u, wavy.values)), np.asarray(PLANT.f(x, u, PLANT.values)))
