@@ -111,7 +111,7 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
 
 def _rounding(M: SchurResponse, points: _Points, k: int) -> float:
     """Return the relative rounding error of sigma_max(D M D^-1) at a point."""
-    error = M.error(float(points.w[k]))[None]
+    error = M.error(float(points.w[k]), points.M[k])[None]
     return float(ssv.gain(error, points.scaling[k])[0]) / max(float(points.bound[k]), 1e-300)
 
 

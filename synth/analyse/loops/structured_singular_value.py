@@ -50,6 +50,8 @@ def scaled(M: Complex, x: Array) -> Complex:
 
 def gain(M: Complex, x: Array) -> Array:
     """Return sigma_max(D M D^-1) of each matrix of M (k, p, p), x (p,) or (k, p)."""
+    if M.shape[-2:] == (1, 1):
+        return np.asarray(np.abs(M[..., 0, 0]))
     return np.asarray(np.linalg.svd(scaled(M, x), compute_uv=False)[..., 0])
 
 
@@ -73,7 +75,7 @@ def osborne_scaling(M: Complex, sweeps: int = 4) -> Array:
 
 def upper(M: Complex, tolerance: float = 1e-6) -> Upper:
     """Return the least upper bound over D for each matrix of M (k, p, p), within a relative `tolerance`."""
-    x = osborne_scaling(M)
+    x = osborne_scaling(M) if M.shape[-1] > 1 else np.ones((len(M), M.shape[-1]))
     value = gain(M, x)
     if M.shape[-1] > 1:
         busy = np.flatnonzero(value > 0)

@@ -71,8 +71,8 @@ class SchurResponse:
             return frequencies
         return np.asarray(2 / self.model.time.period_s * np.arctan(frequencies))
 
-    def error(self, frequency: float) -> Complex:
-        """Return the error of M (p, m) at a frequency of s, relative to the original model."""
+    def error(self, frequency: float, M: Complex) -> Complex:
+        """Return the error of the response M (p, m) at a frequency of s, relative to the original model."""
         A, B, C, D = (getattr(self.model, letter).astype(np.longdouble) for letter in "ABCD")
         continuous = isinstance(self.model.time, Continuous)
         if not len(A) or (continuous and np.isinf(frequency)):
@@ -84,7 +84,7 @@ class SchurResponse:
         X = np.zeros(B.shape, dtype=np.clongdouble)
         for _ in range(4):
             X = X + inverse @ (B - pencil @ X).astype(np.complex128)
-        return np.asarray(self.at(np.array([frequency]))[0] - (C @ X + D), dtype=np.complex128)
+        return np.asarray(M - (C @ X + D), dtype=np.complex128)
 
 
 def schur_response(model: StateSpace) -> SchurResponse:
