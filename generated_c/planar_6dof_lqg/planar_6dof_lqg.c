@@ -681,9 +681,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         static const float lqg_phi_L = 275.96594f;              /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
         const float innovation_phi = phi_raw - reckoning_phi_position;
         const float reckoning_x_disturbance = state->reckoning_x_disturbance;
-        const float x_next_sum = (reckoning_x_half_step * state->lqg_x.achieved) + reckoning_x_disturbance;
+        const float a_x = (reckoning_x_half_step * state->lqg_x.achieved) + reckoning_x_disturbance;
         const float reckoning_y_disturbance = state->reckoning_y_disturbance;
-        const float y_next_sum = (reckoning_y_half_step * state->lqg_y.achieved) + reckoning_y_disturbance;
+        const float a_y = (reckoning_y_half_step * state->lqg_y.achieved) + reckoning_y_disturbance;
         const float lqg_phi_achieved = state->lqg_phi_achieved;
         const float a_phi = reckoning_phi_half_step * lqg_phi_achieved;
         const float seen = lqg_phi_L * phi_raw;
@@ -719,18 +719,19 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* reckoning: alpha-beta filter, dead reckoning (continued)
          *     corrects_x_y_phi = guard_ready and measured
          *     innovation_x = x_raw - x_position; likewise innovation_phi, innovation_y
-         *     middle_x = (x_rate + x_rate_gain * innovation_x if corrects_x_y_phi, else x_rate) + x_half_step *
-         *         lqg_x_achieved + x_disturbance; likewise middle_y
+         *     a_x = x_half_step * lqg_x_achieved + x_disturbance; likewise a_y
+         *     middle_x = (x_rate + x_rate_gain * innovation_x if corrects_x_y_phi, else x_rate) + a_x; likewise
+         *         middle_y, middle_phi
          *     a_phi = phi_half_step * lqg_phi_achieved
-         *     middle_phi = (phi_rate + phi_rate_gain * innovation_phi if corrects_x_y_phi, else phi_rate) + a_phi
-         *     advance_phi = middle_phi + a_phi
-         *     x_advance = middle_x + x_half_step * lqg_x_achieved + x_disturbance; likewise y_advance
+         *     advance_phi = middle_phi + a_phi; likewise x_advance, y_advance
          *     phi_advance = advance_phi + phi_bias_gain * phi_mean
-         *     x_disturbance_next = limit(x_disturbance + x_disturbance_gain * innovation_x, 2.5e-05) if
+         *     x_disturbance_next = limit(x_disturbance + x_disturbance_gain * innovation_x, disturbance_limit) if
          *         corrects_x_y_phi, else x_disturbance; likewise y_disturbance_next
          *     phi_rate_next = limit(advance_phi, phi_rate_limit) */
         static const float phi_position_limit = 0.05f;          /* rad; largest position that is predicted */
         static const float rate_limit = 0.0025f; /* m; 2 m/s times T: largest rate that is predicted; of x, y */
+        /* m; T^2 / 2 times the largest disturbance that is learnt; of x, y */
+        static const float disturbance_limit = 2.5e-05f;
         static const float phi_rate_limit = 0.05f; /* rad; 40 rad/s times T: largest rate that is predicted */
         static const float reckoning_x_position_gain = 0.1494675f; /* 1; k_p for poles 0.94, 0.94 and 0.9625 */
         static const float reckoning_x_rate_gain = 0.0080325f;  /* 1; k_s for the same poles */
@@ -755,10 +756,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             /*@ admit -0.075075f <= phi_mean_next <= 0.075075f; */
             const float innovation_x_2 = x_raw - reckoning_x_position;
             state->reckoning_x_disturbance = planar_6dof_lqg_limit(reckoning_x_disturbance +
-                (reckoning_x_disturbance_gain * innovation_x_2), 2.5e-05f);
+                (reckoning_x_disturbance_gain * innovation_x_2), disturbance_limit);
             const float innovation_y_2 = y_raw - reckoning_y_position;
             state->reckoning_y_disturbance = planar_6dof_lqg_limit(reckoning_y_disturbance +
-                (reckoning_y_disturbance_gain * innovation_y_2), 2.5e-05f);
+                (reckoning_y_disturbance_gain * innovation_y_2), disturbance_limit);
             state->reckoning_phi_mean = phi_mean_next;
             corrected_x = reckoning_x_position + (reckoning_x_position_gain * innovation_x_2);
             rate_x = reckoning_x_rate + (reckoning_x_rate_gain * innovation_x_2);
@@ -767,14 +768,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             corrected_phi = reckoning_phi_position + (reckoning_phi_position_gain * innovation_phi);
             rate_phi = reckoning_phi_rate + (reckoning_phi_rate_gain * innovation_phi);
         }
-        const float middle_x = rate_x + x_next_sum;
+        const float middle_x = rate_x + a_x;
         const float x_next = corrected_x + middle_x;
         /*@ admit -0.2f <= x_next <= 0.2f; */
-        const float x_advance = middle_x + x_next_sum;
-        const float middle_y = rate_y + y_next_sum;
+        const float x_advance = middle_x + a_x;
+        const float middle_y = rate_y + a_y;
         const float y_next = corrected_y + middle_y;
         /*@ admit -0.2f <= y_next <= 0.2f; */
-        const float y_advance = middle_y + y_next_sum;
+        const float y_advance = middle_y + a_y;
         const float middle_phi = rate_phi + a_phi;
         const float phi_next = planar_6dof_lqg_limit(corrected_phi + middle_phi, phi_position_limit);
         state->reckoning_x_position = x_next;
