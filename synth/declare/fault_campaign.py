@@ -56,7 +56,8 @@ class FaultCampaign:
     jump              of a set-point, as a fraction of its range
     repeated          samples in which a sensor repeats a reading
     weak              fraction of the command that a weak actuator applies
-    inertias          {position: plant parameter}, its mass or moment of inertia: impacts on its stop have an energy
+    inertias          {position: plant parameter}, its mass or moment of inertia, or several that add up, such as those
+                      of machine and payload: impacts on its stop have an energy, and forces accelerate it
     """
 
     motion: Mapping[str, Any] = field(default_factory=dict)
@@ -73,8 +74,13 @@ class FaultCampaign:
     jump: float = 0.1
     repeated: int = 10
     weak: float = 0.7
-    inertias: Mapping[str, str] = field(default_factory=dict)
+    inertias: Mapping[str, str | Sequence[str]] = field(default_factory=dict)
     limits: Sequence[FaultLimit] = ()
+
+    def inertia(self, of: str) -> tuple[str, ...]:
+        """Return the plant parameters whose sum is the inertia of a position."""
+        names = self.inertias[of]
+        return (names,) if isinstance(names, str) else tuple(names)
 
 
 @dataclass(frozen=True)

@@ -79,11 +79,12 @@ def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:
         return names.index(of), names.index(rates[of])
 
     def inertia(of: str) -> ca.SX:
-        if of not in (declared := rig.stage.faults.inertias):
+        if of not in rig.stage.faults.inertias:
             raise DesignError(
                 f"a force acts on '{of}', whose inertia is not known: give FaultCampaign(inertias={{'{of}': ...}})"
             )
-        return p[[q.name for q in plant.parameters].index(declared[of])]
+        known = [q.name for q in plant.parameters]
+        return sum((p[known.index(name)] for name in rig.stage.faults.inertia(of)), start=ca.SX(0))
 
     # From the commands to the inputs of the plant: amplifiers, then the lags of the current loops.
     through, lagging = ca.SX(u), {}
@@ -113,6 +114,11 @@ def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:
             pull = size("stiffness", effect.stiffness) * x[q] + size("preload", effect.preload)
             dx[v] -= acting("cable", _risen(1.0, 1.0)) * pull / inertia(effect.of)
         elif isinstance(effect, Floor):
+            if not 0 <= effect.low_hz < effect.high_hz <= 0.5 / rig.period_s:
+                raise DesignError(
+                    f"a floor moves from {effect.low_hz:g} to {effect.high_hz:g} Hz: give a band up to half of the "
+                    f"rate, {0.5 / rig.period_s:g} Hz"
+                )
             for k, of in enumerate(effect.of):
                 dx[position(of)[1]] += acting("floor", _spectrum(effect, rig.seed, k))
     for effect in effects:

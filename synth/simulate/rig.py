@@ -86,8 +86,7 @@ def _first_drive_commands(
 @lru_cache(maxsize=64)  # all machines of a study start there
 def _equilibrium(stage: Stage, start: Values, case: Values) -> tuple[dict[str, float], ...]:
     """Return the plant's states, the controller's and its outputs at the equilibrium of the declared loop."""
-    states = {**stage.start, **dict(start)}
-    loops = replace(robustness.of_stage(replace(stage, operating_points={"start": states})), cases=(dict(case),))
+    loops = robustness.of_stage(replace(stage, operating_points={"start": dict(start)}))
     rest = robustness.equilibrium_at(loops, "start", dict(case))
     block = rest.closed.controller
     at = [
@@ -138,7 +137,8 @@ class Rig:
         With a drive it is the output of the drive that is called like the plant input.
         """
         if self.drive and not self.actuators:
-            return {s.name: s.name for s in self.plant.inputs if s.name not in self.stage.interface.disturbances}
+            others = {*self.stage.interface.disturbances, *self.forcing}
+            return {s.name: s.name for s in self.plant.inputs if s.name not in others}
         return self.actuators or self.stage.wires or {a.of: a.name for a in self.stage.interface.actuators}
 
     @property
@@ -242,12 +242,17 @@ class Rig:
     def at_equilibrium(self, start: Mapping[str, float], case: Mapping[str, float]) -> dict[str, Any]:
         """Return options of `run` under which the declared loop is in equilibrium, with the plant at or near `start`.
 
-        They are the plant's states, those of the controller and the commands before the first sample. A `case` gives
-        parameters and auxiliary inputs. A machine that differs from the declared one starts there, too.
+        They are the plant's states, those of the controller and the commands before the first sample. A position that
+        nothing gives is that of its set-point, else 0; other states, such as currents, are as the equilibrium needs
+        them. A `case` gives parameters and auxiliary inputs. A machine that differs from the declared one starts there,
+        too.
 
         Raises ModelError as `robustness.equilibrium_at`.
         """
-        states, controller, commands = _equilibrium(self.stage, tuple(start.items()), tuple(case.items()))
+        asked = self.set_points_at(start)
+        held = dict.fromkeys(self.stage.stops, 0.0) | {q: asked[name] for name, q in self.positions.items()}
+        at = {q: value for q, value in held.items() if q in self._states} | {**self.stage.start, **start}
+        states, controller, commands = _equilibrium(self.stage, tuple(at.items()), tuple(case.items()))
         read, written = (struct.names or () for struct in (self.controller.state, self.controller.outputs))
         hold = {name: value for name, value in commands.items() if name in written}
         return {

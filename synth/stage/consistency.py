@@ -54,7 +54,8 @@ def _require_known_margins(stage: Stage) -> None:
 
 def _require_known_cases(stage: Stage) -> None:
     """Raise SignalError for a case with an unknown name, or a value out of range, and for an experiment in none."""
-    ranges = {p.name: (-np.inf, np.inf) for p in stage.plant.parameters}
+    ends = {p.name: p.tolerance for p in stage.plant.parameters}
+    ranges = {name: end if isinstance(end, tuple) else (-np.inf, np.inf) for name, end in ends.items()}
     ranges |= {a.name: (a.low, a.high) for a in stage.interface.auxiliaries}
     for case, values in stage.cases.items():
         for name, value in values.items():
@@ -244,8 +245,9 @@ def _require_rates(stage: Stage) -> None:
 def _require_known_inertias(stage: Stage) -> None:
     """Raise SignalError for an inertia of the fault campaign without its position or plant parameter."""
     positions = velocities(stage.plant) | dict(stage.velocities)
-    for q, parameter in stage.faults.inertias.items():
+    for q in stage.faults.inertias:
         if q not in positions:
             known = ", ".join(positions) or "none"
             raise SignalError(f"inertias: '{q}' is not a position with a velocity: name one of {known}")
-        stage.plant.parameter(parameter)
+        for parameter in stage.faults.inertia(q):
+            stage.plant.parameter(parameter)

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from designs.maglev_5dof import design as maglev
 from synth.app import standard_tasks
 from synth.declare.effects import (
     RAMP_S,
@@ -63,6 +64,27 @@ def test_a_cable_is_a_spring_with_a_preload(rig: Rig) -> None:
     changed = change(rig, Cable("x", 50.0, 3.0), cable_3=1.0)
     assert changed == {"vx": pytest.approx(-(50.0 * AT["x"] + 3.0) / X_MASS)}
     assert change(rig, Cable("x", 50.0, 3.0), cable_3=0.0) == {}
+
+
+def test_inertias_add_up(rig: Rig) -> None:
+    faults = replace(rig.stage.faults, inertias={"x": ("m", "M")})
+    both = replace(rig, stage=replace(rig.stage, faults=faults))
+    assert change(both, Force("x", 2.0), force_3=2.0) == {"vx": pytest.approx(2.0 / (X_MASS + M))}
+
+
+def test_a_force_acts_beside_a_drive() -> None:
+    """The inputs of the driven plant are the outputs of the drive, and the force is none of them."""
+    stage = maglev.DESIGN
+    loop = standard_tasks.rig(stage, stage.scalar)
+    pushed = Hold({"x_ref": 1e-5}, 10.0, 8.0, Conditions(start={"y": 0.025}, effects=[Force("x", 30.0)]))
+    run = experiments.result(pushed, loop)
+    assert all(c.passed for c in run.checks) and len(run.trajectory.driven) == 12
+
+
+@pytest.mark.parametrize("band", [(50.0, 1.0), (1.0, 1100.0), (-1.0, 5.0)])
+def test_a_floor_beyond_half_of_the_rate_is_refused(rig: Rig, band: tuple[float, float]) -> None:
+    with pytest.raises(DesignError, match="Hz: give a band up to half of the rate, 1000 Hz"):
+        effects.with_effects(rig, [Floor(["x"], 0.1, *band)])
 
 
 def test_a_floor_accelerates_its_positions(rig: Rig) -> None:

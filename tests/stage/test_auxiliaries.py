@@ -228,6 +228,10 @@ def test_a_tolerance_that_cannot_be_meant_is_refused(tolerance: Any) -> None:
         ({"cases": {"full": {"load": 2.0}}}, "case 'full' has load = 2, beyond its range of 0 .. 1: choose one inside"),
         ({"cases": {"full": {"m": np.nan}}}, "case 'full' has m = nan, beyond its range"),
         (
+            {"cases": {"full": {"payload": 1.2}}},
+            "case 'full' has payload = 1.2, beyond its range of 0 .. 1: choose one",
+        ),
+        (
             {"experiments": [Hold({"z_ref": 1.0}, conditions=Conditions(case="full"))]},
             "hold_z_ref runs in case 'full', ",
         ),
@@ -259,3 +263,26 @@ def test_the_exported_loop_takes_auxiliary_inputs_from_its_client(rig: Rig) -> N
     least = limits.of_stage(STAGE, rig.positions, rig.at_rest())
     assert [*least] == ["z_ref", "load", "v_ff"] and rig.at_rest()["load"] == 0.0
     assert least["load"].speed == 10.0 and least["load"].step == pytest.approx(0.1)  # its range of 1 kg in 0.1 s
+
+
+LAG = 1e-3  # s
+
+
+def test_states_that_nothing_names_are_as_the_equilibrium_needs_them(rig: Rig) -> None:
+    """The currents of the coils are states, and `start` leaves them out."""
+    coil = plants.build(
+        "carrier",
+        [*PLANT.states, Signal("c", "A", -1.0, 9.0)],
+        list(PLANT.inputs),
+        list(PLANT.outputs),
+        list(PLANT.parameters),
+        lambda x, u, p: (
+            {"z": x["v"], "v": K * x["c"] / (p["m"] + p["payload"]) - G, "c": (u["i"] - x["c"]) / LAG},
+            {"z": x["z"]},
+        ),
+    )
+    interface = replace(STAGE.interface, plant=coil)
+    controller = replace(STAGE.controller, interface=interface)
+    lagging = Rig(replace(STAGE, plant=coil, controller=controller), coil, rig.controller)
+    run = experiments.result(Hold({"z_ref": 1e-5}, 0.2, 0.1), lagging).trajectory
+    assert run["c"][0] == pytest.approx(M * G / K) == run.applied["i"][0] and np.ptp(run["z"]) < 1e-9

@@ -282,7 +282,7 @@ def inject(
         onset * rig.period_s,
         {q: _largest(faulty.states[q] - healthy.states[q]) for q in rig.stage.velocities},
         impacts,
-        {q: rig.plant.parameter(p).value * impacts[q] ** 2 / 2 for q, p in rig.stage.faults.inertias.items()},
+        {q: _inertia(rig, q) * impacts[q] ** 2 / 2 for q in rig.stage.faults.inertias},
         {q: 0.0 if latch is None else _largest(faulty.states[v][latch:]) for q, v in rig.stage.velocities.items()},
         {q: _largest(faulty.states[v][-1:]) for q, v in rig.stage.velocities.items()},
         notice_s,
@@ -296,6 +296,10 @@ def inject(
 def _all_bits(run: Trajectory) -> NDArray[np.uint32]:
     """Return the fault bits of the controller and of the drive in each sample."""
     return np.bitwise_or.reduce([run.faults, *run.drive_faults.values()])
+
+
+def _inertia(rig: Rig, q: str) -> float:
+    return sum(rig.plant.parameter(name).value for name in rig.stage.faults.inertia(q))
 
 
 def input_bits(rig: Rig) -> dict[str, int]:
