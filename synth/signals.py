@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from numbers import Real
 
 from synth import arguments
 from synth.errors import SignalError
@@ -160,7 +161,8 @@ class Parameter:
             low, high = self.tolerance
             sound = -math.inf < low <= self.value <= high < math.inf
         else:
-            sound = math.isfinite(self.value) and 0 <= self.tolerance < 1
+            is_share = isinstance(self.tolerance, Real) and 0 <= self.tolerance < 1
+            sound = math.isfinite(self.value) and is_share
         if not sound:
             raise SignalError(
                 f"parameter '{self.name}' has value {self.value} and tolerance {self.tolerance}: give a finite value, "

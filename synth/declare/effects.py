@@ -9,21 +9,32 @@
     Readings       m = (1 + g) y + a sin(2 pi y / d) + n    of sensors, n white
     Changed        another plant, as the function of a share makes it
 
-r rises from 0 to 1 within RAMP_S: the machine is switched on without the effect. Inertias are those of the stage's
-fault campaign. Numbers are in the units of the signals that they act on. `scaled` returns an effect s times as large.
+r rises from 0 to 1 within RAMP_S, or within RAMP_SHARE of a short run: the machine is switched on without the effect.
+Inertias are those of the stage's fault campaign. Numbers are in the units of the signals that they act on. `scaled`
+returns an effect s times as large.
+
+Raises SignalError for a size that is not finite, and a negative one where its sign means nothing.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from synth.errors import SignalError
 from synth.plant import Plant
 from synth.statespace import Array
 
-RAMP_S = 2.0
+RAMP_S, RAMP_SHARE = 2.0, 0.2  # the share is the part of a step response before its step
 Course = float | ArrayLike | Callable[[Array], ArrayLike]
 """A value over time: a constant, one for each sample, or a function of times in s."""
+
+
+def _require(effect: object, needed: str, sound: bool, *sizes: float) -> None:
+    """Raise SignalError for an effect with a size that is not finite, or that is not `sound`."""
+    if not (sound and np.isfinite(sizes).all()):
+        raise SignalError(f"{effect}: give {needed}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +58,9 @@ class Cable:
     stiffness: float
     preload: float = 0.0
 
+    def __post_init__(self) -> None:
+        _require(self, "a finite stiffness and preload", True, self.stiffness, self.preload)
+
     def scaled(self, s: float) -> "Cable":
         """Return s times the stiffness and the preload."""
         return replace(self, stiffness=s * self.stiffness, preload=s * self.preload)
@@ -61,6 +75,10 @@ class Floor:
     low_hz: float = 1.0
     high_hz: float = 50.0
 
+    def __post_init__(self) -> None:
+        sound = self.rms >= 0 and 0 <= self.low_hz < self.high_hz
+        _require(self, "a finite rms and a band low_hz < high_hz, all from 0 on", sound, self.rms, self.high_hz)
+
     def scaled(self, s: float) -> "Floor":
         """Return s times the acceleration."""
         return replace(self, rms=s * self.rms)
@@ -71,6 +89,9 @@ class CurrentLoops:
     """The lag of the first order of each input that an actuator drives, in s."""
 
     lag_s: float
+
+    def __post_init__(self) -> None:
+        _require(self, "a finite lag in s, from 0 on", self.lag_s >= 0, self.lag_s)
 
     def scaled(self, s: float) -> "CurrentLoops":
         """Return s times the lag."""
@@ -83,6 +104,9 @@ class Amplifiers:
 
     gain: float = 0.0
     offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        _require(self, "a finite gain and offset", True, self.gain, self.offset)
 
     def scaled(self, s: float) -> "Amplifiers":
         """Return s times both errors."""
@@ -98,6 +122,13 @@ class Mode:
     damping: float
     participation: float
 
+    def __post_init__(self) -> None:
+        sizes, sound = (
+            (self.frequency_hz, self.damping, self.participation),
+            self.frequency_hz > 0 and self.damping >= 0,
+        )
+        _require(self, "finite numbers, the frequency above 0 and the damping ratio from 0 on", sound, *sizes)
+
     def scaled(self, s: float) -> "Mode":
         """Return s times the participation."""
         return replace(self, participation=s * self.participation)
@@ -112,6 +143,10 @@ class Readings:
     noise: float = 0.0
     ripple: float = 0.0
     pitch: float = 1.0
+
+    def __post_init__(self) -> None:
+        sizes, sound = (self.gain_error, self.noise, self.ripple, self.pitch), self.noise >= 0 and self.pitch > 0
+        _require(self, "finite numbers, the noise from 0 on and the pitch above 0", sound, *sizes)
 
     def scaled(self, s: float) -> "Readings":
         """Return s times the errors."""

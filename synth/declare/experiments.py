@@ -96,7 +96,8 @@ class StepResponse:
     |y - r|, None for no check. `conditions` gives the conditions of the run, `label` replaces the name.
 
     Both limits are for the set-point, or with `to_final` for the value at which the position comes to rest: then an
-    error of the gauge's zero is no overshoot, and `error` says how far from the set-point it may be. Both are measured.
+    error of the gauge's zero is no overshoot, and `error` says how far from the set-point it may be. Both are measured;
+    a position that moves by less than half of the step does not settle there.
 
     Raises SignalError for a step of 0, an overshoot above 1, a settling time that is not positive, and `to_final`
     without `error`.

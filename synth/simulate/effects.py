@@ -6,13 +6,16 @@ size and every machine; what varies over time enters through further inputs. The
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from synth import arguments
 from synth.declare.effects import (
     RAMP_S,
+    RAMP_SHARE,
     Amplifiers,
     Cable,
     Changed,
@@ -40,9 +43,12 @@ SOURCE = "unmodelled"
 def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:
     """Return the rig under effects.
 
-    Raises DesignError for an unknown position or sensor, and for a force on a position without an inertia.
+    Raises DesignError for what is no effect, for an unknown position or sensor, and for a force on a position without
+    an inertia.
     """
     for effect in effects:
+        if not isinstance(effect, Effect):
+            raise DesignError(f"{arguments.describe(effect)} is no effect: give those of synth.declare.effects")
         if isinstance(effect, Changed):
             rig = replace(rig, plant=effect.plant(rig.plant, effect.share))
         if isinstance(effect, Readings):
@@ -55,19 +61,23 @@ def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:
     further: dict[str, list[ca.SX]] = {"x": [], "dx": [], "u": [], "p": []}
     courses: dict[str, Any] = {}
 
+    def free_name(name: str, number: int) -> str:
+        taken = {s.name for s in (*states, *inputs, *plant.outputs)} | {s.name for s in parameters}
+        return next(n for k in count(number) if (n := f"{name}_{k}") not in taken)
+
     def size(name: str, value: float) -> ca.SX:
-        parameters.append(Parameter(f"{name}_{len(parameters)}", value, "1", 0.0, SOURCE))
+        parameters.append(Parameter(free_name(name, len(parameters)), value, "1", 0.0, SOURCE))
         further["p"].append(ca.SX.sym(parameters[-1].name))
         return further["p"][-1]
 
     def acting(name: str, course: Any) -> ca.SX:
-        inputs.append(Signal(f"{name}_{len(inputs)}", "1", -1e9, 1e9))
+        inputs.append(Signal(free_name(name, len(inputs)), "1", -1e9, 1e9))
         courses[inputs[-1].name] = course
         further["u"].append(ca.SX.sym(inputs[-1].name))
         return further["u"][-1]
 
     def state(name: str) -> ca.SX:
-        states.append(Signal(f"{name}_{len(states)}", "1", -1e9, 1e9))
+        states.append(Signal(free_name(name, len(states)), "1", -1e9, 1e9))
         further["x"].append(ca.SX.sym(states[-1].name))
         return further["x"][-1]
 
@@ -144,9 +154,19 @@ def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:
         ca.Function("f", symbols, [ca.vertcat(dx, *further["dx"])]),
         ca.Function("h", symbols, [y]),
     )
-    substeps = max(rig.stage.substeps, int(np.ceil(rig.period_s / min(lags, default=np.inf))))
+    longest_s = [*lags, *(_longest_step(e) for e in effects if isinstance(e, Mode))]
+    substeps = max(rig.stage.substeps, int(np.ceil(rig.period_s / min(longest_s, default=np.inf))))
     stage = replace(rig.stage, substeps=substeps, velocities=rates)
     return replace(rig, plant=extended, stage=stage, lagging=lagging, forcing={**rig.forcing, **courses})
+
+
+def _longest_step(mode: Mode) -> float:
+    """Return the step of Runge and Kutta's method in s that adds at most a tenth, or 1e-4, to the damping ratio.
+
+    It damps an undamped mode in a step h by (w h)^6 / 144, as a damping ratio of (w h)^5 / 144 does.
+    """
+    angle = min(1.0, (144 * max(1e-4, 0.1 * mode.damping)) ** 0.2) / max(1.0, 2 * mode.damping)
+    return float(angle / (2 * np.pi * mode.frequency_hz))
 
 
 def _sensors(rig: Rig, effect: Readings) -> list[Sensor]:
@@ -169,12 +189,17 @@ def _with_readings(rig: Rig, effect: Readings) -> Rig:
 
 
 def _risen(course: Course, share: float) -> Course:
-    """Return a share of a course that rises from 0 within RAMP_S."""
+    """Return a share of a course that rises from 0."""
 
     def risen(time: Array) -> Array:
-        return share * np.clip(time / RAMP_S, 0.0, 1.0) * conditions.values(course, time)
+        return share * _rise(time) * conditions.values(course, time)
 
     return risen
+
+
+def _rise(time: Array) -> Array:
+    """Return the rise r of forces over all times (N,) of a run."""
+    return np.asarray(np.minimum(time, limit := min(RAMP_S, RAMP_SHARE * time[-1])) / (limit or 1.0))
 
 
 def _spectrum(floor: Floor, seed: int, k: int) -> Course:
@@ -186,6 +211,6 @@ def _spectrum(floor: Floor, seed: int, k: int) -> Course:
 
     def acceleration(time: Array) -> Array:
         lines = (np.sin(2 * np.pi * f * time + phase) for f, phase in zip(frequencies, phases, strict=True))
-        return np.asarray(amplitude * np.clip(time / RAMP_S, 0.0, 1.0) * sum(lines))
+        return np.asarray(amplitude * _rise(time) * sum(lines))
 
     return acceleration

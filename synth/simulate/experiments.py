@@ -123,6 +123,7 @@ def with_headroom(
 
 
 BAND = 0.02  # of a step: the usual 2 % of the settling time
+LEAST_TRAVEL = 0.5  # of a step, to its final value
 LEAST_SHARE, MOST_SHARE, SHARE_RESOLUTION = 1 / 64, 16.0, 0.05  # of the effects of an experiment
 END = 0.1  # of a run: its last part, in which the final error is measured
 
@@ -143,6 +144,8 @@ def _step_response(step: StepResponse, rig: Rig) -> Experiment:
         to: (_overshoot(y[k:], *ends), metrics.settling_time(time[k:], y[k:] - ends[1], band))
         for to, ends in targets.items()
     }
+    if step.to_final and (final - y[k]) / step.height < LEAST_TRAVEL:
+        measured["to the final value"] = (np.nan, np.inf)  # a position that rests would be no response
     limited, other = reversed(measured) if step.to_final else measured
     (overshoot, settling_time), (beside, late) = measured[limited], measured[other]
     checks = [

@@ -16,7 +16,7 @@ from synth.analyse.loops import robustness
 from synth.declare.effects import Course
 from synth.declare.stage import Stage
 from synth.execute import host
-from synth.plant import Plant
+from synth.plant import Plant, velocities
 from synth.signals import signal_names
 from synth.simulate import closed_loop, conditions, faulty
 from synth.simulate import drive as drives
@@ -229,15 +229,14 @@ class Rig:
         return Scenario(duration_s, start, **fields)
 
     def may_rest(self, start: Mapping[str, float]) -> bool:
-        """Tell whether the loop has an equilibrium at `start`: off its stops, with the set-points that it has there.
+        """Tell whether the loop may have an equilibrium at `start`: still, off its stops, with set-points in range.
 
         A stage that opens its loops itself has a controller that no sample leaves at rest.
         """
-        states = {**self.stage.start, **start}
+        states, rates = {**self.stage.start, **start}, velocities(self.plant) | dict(self.stage.velocities)
         is_free = all(low < states.get(q, 0.0) < high for q, (low, high) in self.stage.stops.items())
-        asked = self.set_points_at(start)
-        at_home = all(states.get(q, asked[name]) == asked[name] for name, q in self.positions.items())
-        return is_free and at_home and not self.stage.loops
+        moves = any(states.get(v, 0.0) for v in rates.values())
+        return is_free and not moves and self._positions_at(start) == self.set_points_at(start) and not self.stage.loops
 
     def at_equilibrium(self, start: Mapping[str, float], case: Mapping[str, float]) -> dict[str, Any]:
         """Return options of `run` under which the declared loop is in equilibrium, with the plant at or near `start`.
@@ -298,11 +297,16 @@ class Rig:
         States that `start` lacks are those of the stage's start; the set-point of a state in neither has its `initial`
         value.
         """
+        points = {s.name: s for s in self.stage.interface.set_points}
+        return {n: float(np.clip(r, points[n].low, points[n].high)) for n, r in self._positions_at(start).items()}
+
+    def _positions_at(self, start: Mapping[str, float]) -> dict[str, float]:
+        """Return the set-points of `set_points_at` without the limits of their ranges."""
         states = {**self.stage.start, **start}
         outputs = self.plant.output_values(states).items()
         at = {name: float(y[0]) for name, y in outputs if name not in self._states} | states
-        points, positions = self.stage.interface.set_points, self.positions
-        return {s.name: float(np.clip(at.get(positions[s.name], s.initial or 0.0), s.low, s.high)) for s in points}
+        positions = self.positions
+        return {s.name: at.get(positions[s.name], s.initial or 0.0) for s in self.stage.interface.set_points}
 
     @property
     def constant_inputs(self) -> dict[str, float]:

@@ -53,9 +53,17 @@ def _require_known_margins(stage: Stage) -> None:
 
 
 def _require_known_cases(stage: Stage) -> None:
-    """Raise SignalError for a case with an unknown name, or a value out of range, and for an experiment in none."""
+    """Raise SignalError for a case with an unknown name, or a value out of range, and for an experiment in none.
+
+    An auxiliary input with the name of a parameter is refused: a value of it would be that of the input alone.
+    """
     ends = {p.name: p.tolerance for p in stage.plant.parameters}
     ranges = {name: end if isinstance(end, tuple) else (-np.inf, np.inf) for name, end in ends.items()}
+    if both := [a.name for a in stage.interface.auxiliaries if a.name in ranges]:
+        raise SignalError(
+            f"'{both[0]}' is an auxiliary input and a parameter of plant '{stage.plant.name}', which a case could not "
+            "tell apart: rename one"
+        )
     ranges |= {a.name: (a.low, a.high) for a in stage.interface.auxiliaries}
     for case, values in stage.cases.items():
         for name, value in values.items():

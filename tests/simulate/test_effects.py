@@ -23,7 +23,7 @@ from synth.declare.effects import (
     Readings,
 )
 from synth.declare.experiments import Conditions, Hold, Sine, Withstand
-from synth.errors import DesignError
+from synth.errors import DesignError, SignalError
 from synth.simulate import conditions, effects, experiments
 from synth.simulate.rig import Rig
 from tests import levitator
@@ -166,6 +166,60 @@ def test_courses_rise_and_a_floor_has_its_standard_deviation(rig: Rig) -> None:
     assert floor[risen].std() == pytest.approx(0.1, rel=0.02) and floor[0] == 0.0
     assert power[(f >= 4.5) & (f <= 40.5)].sum() > 0.99 * power.sum()
     assert abs(np.corrcoef(floor, other)[0, 1]) < 0.05
+
+
+def test_a_force_has_risen_before_the_step_of_a_short_step_response(rig: Rig) -> None:
+    force = effects.with_effects(rig, [Force("x", 2.0)]).forcing["force_3"]
+    for limit, risen_s in ((0.1, 0.1), (0.4, 0.4), (2.0, 2.0), (10.0, 2.0)):
+        time = np.arange(0.0, 5 * limit, 1e-3)
+        r = conditions.values(force, time) / 2.0
+        assert (r[time >= risen_s] == 1.0).all() and r[0] == 0.0
+        np.testing.assert_allclose(r[time < risen_s], (time / risen_s)[time < risen_s], atol=0.02)
+    assert conditions.values(force, np.zeros(1)) == 0.0
+
+
+def test_names_of_effects_give_way_to_those_of_the_plant(rig: Rig) -> None:
+    plant = replace(PLANT, inputs=tuple(replace(s, name="force_3") if s.name == "i2" else s for s in PLANT.inputs))
+    wires = {"i1": "i1", "force_3": "i2"}
+    under = effects.with_effects(replace(rig, plant=plant, actuators=wires), [Force("x", 1.0), CurrentLoops(3e-4)])
+    assert [s.name for s in under.plant.inputs] == ["i1", "force_3", "hum", "force_4"]
+    assert [*under.forcing] == ["force_4"] and under.lagging == {"i1_4": "i1", "force_3_5": "force_3"}
+
+
+@pytest.mark.parametrize(
+    ("frequency", "damping"), [(50.0, 1e-3), (180.0, 5e-3), (600.0, 0.0), (950.0, 5e-3), (3e3, 0.02), (200.0, 8.0)]
+)
+def test_the_steps_follow_a_mode(rig: Rig, frequency: float, damping: float) -> None:
+    steps = effects.with_effects(rig, [Mode("x", frequency, damping, 0.1)]).stage.substeps
+    s = 2 * np.pi * frequency * np.roots([1.0, 2 * damping, 1.0]) * rig.period_s / steps
+    growth = np.abs(1 + s + s**2 / 2 + s**3 / 6 + s**4 / 24)
+    if damping < 1:  # ln |R(s)| is that of the mode and of what the method adds
+        assert (np.abs(-np.log(growth) / np.abs(s) - damping) < 1.1 * max(1e-4, 0.1 * damping)).all()
+    assert (growth <= 1).all()
+
+
+@pytest.mark.parametrize(
+    ("effect", "message"),
+    [
+        (lambda: Cable("x", np.nan), "give a finite stiffness and preload"),
+        (lambda: Floor(["x"], -0.1), "give a finite rms and a band low_hz < high_hz, all from 0 on"),
+        (lambda: Floor(["x"], 0.1, 50.0, 1.0), "give a finite rms and a band"),
+        (lambda: CurrentLoops(-1e-4), "give a finite lag in s, from 0 on"),
+        (lambda: CurrentLoops(np.nan), "give a finite lag"),
+        (lambda: Amplifiers(np.inf), "give a finite gain and offset"),
+        (lambda: Mode("x", -180.0, 5e-3, 0.1), "the frequency above 0"),
+        (lambda: Readings(ripple=1e-6, pitch=0.0), "the pitch above 0"),
+    ],
+)
+def test_a_size_that_cannot_be_meant_is_refused(effect: Any, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        effect()
+
+
+def test_what_is_no_effect_is_refused(rig: Rig) -> None:
+    none: Any = "cable"
+    with pytest.raises(DesignError, match=r"'cable' is no effect: give those of synth.declare.effects"):
+        effects.with_effects(rig, [none])
 
 
 def test_the_loop_carries_a_force_by_its_current(rig: Rig) -> None:

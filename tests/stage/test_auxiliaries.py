@@ -19,7 +19,7 @@ from synth.analyse.loops import robustness
 from synth.app import standard_tasks, verdicts
 from synth.base.progress import silent
 from synth.block import Block, Exprs, State, Step, build
-from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepResponse, Track
+from synth.declare.experiments import Conditions, Hold, LiftOff, Ramp, Sine, StepResponse, Track
 from synth.declare.stage import Stage
 from synth.errors import SignalError
 from synth.export import limits
@@ -28,7 +28,7 @@ from synth.signals import Parameter, Signal
 from synth.simulate import experiments, sampling
 from synth.simulate.rig import Rig
 from synth.simulate.sampling import Method, Sampling
-from synth.stage import Actuator, Auxiliary, Sensor, SetPoint
+from synth.stage import Actuator, Auxiliary, Sensor, SetPoint, consistency
 from synth.timing import Discrete
 from synth.verify import standard
 
@@ -196,6 +196,23 @@ def test_the_error_of_a_gauge_is_no_overshoot_to_the_final_value(rig: Rig) -> No
         replace(step, error=None, to_final=True)
 
 
+@pytest.mark.parametrize(("push", "moves"), [(-0.2, True), (-0.45, True), (-0.55, False), (-1.0, False), (-1.5, False)])
+def test_a_position_that_does_not_follow_does_not_settle_at_its_final_value(rig: Rig, push: float, moves: bool) -> None:
+    """A force that acts from the step on takes away a share of it: e = force / (m P)."""
+    plant = plants.build(
+        "pushed", list(PLANT.states), [*PLANT.inputs, Signal("push", "N", -9, 9)], list(PLANT.outputs),
+        list(PLANT.parameters),
+        lambda x, u, p: ({"z": x["v"], "v": (K * u["i"] + u["push"]) / p["m"] - G}, {"z": x["z"]}),
+    )  # fmt: skip
+    pushed = replace(rig, plant=plant).with_interface(plant=plant, disturbances=("push",))
+    pushed = replace(pushed, stage=replace(pushed.stage, plant=plant))
+    course = Ramp(0.0, push * 1e-4 * M * P, 0.3, 1e-6)
+    step = StepResponse("z_ref", 1e-4, 0.1, 0.3, 1e-3, Conditions(disturbances={"push": course}), to_final=True)
+    checks = {c.name: c for c in experiments.result(step, pushed).checks}
+    assert checks["|e_z| at the end"].value == pytest.approx(-push * 1e-4, rel=0.01)
+    assert checks["settling time"].passed == checks["overshoot"].passed == moves
+
+
 def test_machines_are_drawn_between_the_ends_of_a_payload(rig: Rig) -> None:
     names = sampling.quantities(rig)
     assert names == ("m", "payload", "offset.z")
@@ -210,7 +227,9 @@ def test_machines_are_drawn_between_the_ends_of_a_payload(rig: Rig) -> None:
     assert robustness.corners(PLANT, ["payload"]) == [{"payload": 0.0}, {"payload": 1.0}]
 
 
-@pytest.mark.parametrize("tolerance", [1.0, -0.1, np.nan, 5, (1.0, 2.0), (2.0, 1.0), (-np.inf, 1.0), (0.0, np.nan)])
+@pytest.mark.parametrize(
+    "tolerance", [1.0, -0.1, np.nan, 5, (1.0, 2.0), (2.0, 1.0), (-np.inf, 1.0), (0.0, np.nan), [0.0, 1.0]]
+)
 def test_a_tolerance_that_cannot_be_meant_is_refused(tolerance: Any) -> None:
     with pytest.raises(
         SignalError, match=r"parameter 'p' has value 0.5 and .*: give a finite value, and a share of it"
@@ -224,6 +243,10 @@ def test_a_tolerance_that_cannot_be_meant_is_refused(tolerance: Any) -> None:
         (
             {"cases": {"full": {"mass": 1.0}}},
             "case 'full' gives 'mass', which is neither a parameter of plant 'carrier'",
+        ),
+        (
+            {"cases": {"full": {"payload": 2.0}}},
+            "case 'full' has payload = 2, beyond its range of 0 .. 1: choose one inside",
         ),
         ({"cases": {"full": {"load": 2.0}}}, "case 'full' has load = 2, beyond its range of 0 .. 1: choose one inside"),
         ({"cases": {"full": {"m": np.nan}}}, "case 'full' has m = nan, beyond its range"),
@@ -240,6 +263,34 @@ def test_a_tolerance_that_cannot_be_meant_is_refused(tolerance: Any) -> None:
 def test_a_case_that_does_not_fit_is_refused_where_it_is_declared(changed: dict[str, Any], message: str) -> None:
     with pytest.raises(SignalError, match=message):
         carrier(**changed)
+
+
+def test_an_auxiliary_input_with_the_name_of_a_parameter_is_refused() -> None:
+    for name in ("payload", "m"):
+        interface = replace(STAGE.interface, auxiliaries=(Auxiliary(name, "kg", 0.0, 1.0, 0.0),))
+        clash = replace(STAGE, controller=replace(STAGE.controller, interface=interface), cases={})
+        with pytest.raises(SignalError, match=f"'{name}' is an auxiliary input and a parameter of plant 'carrier'"):
+            consistency.require_consistent(clash)
+
+
+@pytest.mark.parametrize("start", [{"v": 0.01}, {"v": -1e-3, "z": 2e-4}, {"z": 9e-4}])
+def test_a_run_that_begins_in_motion_or_out_of_reach_is_switched_on_there(rig: Rig, start: dict[str, float]) -> None:
+    run = experiments.result(Hold({"z_ref": 1.0}, 0.1, 0.05, Conditions(start=start)), rig).trajectory
+    assert not run.initial and run.applied["i"][0] == 0.0
+    assert {name: run[name][0] for name in start} == start
+
+
+def test_a_position_that_is_an_output_may_be_out_of_reach(rig: Rig) -> None:
+    """y = 2 z is no state: z = 4e-4 is beyond a set-point of y up to 5e-4."""
+    signals = [Signal("y", "m", -2e-3, 2e-3)]
+    plant = plants.build(
+        "scaled", list(PLANT.states), list(PLANT.inputs), signals, list(PLANT.parameters),
+        lambda x, u, p: ({"z": x["v"], "v": K * u["i"] / (p["m"] + p["payload"]) - G}, {"y": 2 * x["z"]}),
+    )  # fmt: skip
+    sensors, points = (Sensor("z", of="y", low=-1e-3, high=1e-3),), (SetPoint("z_ref", of="y", low=-5e-4, high=5e-4),)
+    read = replace(rig, plant=plant).with_interface(plant=plant, sensors=sensors, set_points=points)
+    read = replace(read, stage=replace(read.stage, plant=plant))
+    assert [read.may_rest({"z": z}) for z in (0.0, 2e-4, 2.5e-4, 2.6e-4, -4e-4)] == [True, True, True, False, False]
 
 
 @pytest.mark.parametrize(

@@ -66,9 +66,10 @@ class LinearPart:
     """Linear dynamics between `states`, and what the scalar type does to them.
 
     `gain` is None at an integrator and where it is 0. `pole` in z is the one that moves most, to `rounded_pole`, by the
-    relative `shift`, infinite for an integrator that leaks. `amplitude` is what is left of an oscillation after an
-    hour, else None. `lost` is what the `input` of an integrator must exceed where the state `at` is at its bound; the
-    input is `at`, for an increment of it, where none has a name. For other parts `input` is None, and the state `at`
+    relative `shift`, infinite for an integrator that leaks; where some become unstable, it is one of these. `amplitude`
+    is what is left of an oscillation after an hour, else None. `lost` is what the `input` of an integrator must exceed
+    where the state `at` is at its bound; the input is `at`, for an increment of it, where none has a name. For other
+    parts `input` is None, and the state `at`
     may rest as far as `lost` from its exact value.
     """
 
@@ -160,7 +161,8 @@ def _part(
     rounded_z = rounded_z[linear_sum_assignment(np.abs(z[:, None] - rounded_z))[1]]
     moved, far = np.abs(rounded_z - z), np.abs(1 - z)
     shift = np.divide(moved, far, out=np.where(moved > 0, np.inf, 0.0), where=far > 0)
-    k = int(shift.argmax())
+    is_sound = (np.abs(z) >= 1 - STEADY) | (np.abs(rounded_z) <= 1)
+    k = int(np.lexsort((-shift, is_sound))[0])
     oscillates = (np.abs(np.abs(z) - 1) < STEADY) & (z.imag != 0)
     amplitude = min((np.abs(rounded_z[oscillates]) ** (HOUR / period_s)).tolist(), default=None)
     largest = [np.nextafter(scalar(max(abs(s.low), abs(s.high))), scalar(0)) for s in signals]
@@ -264,12 +266,22 @@ def _next(program: Program, forms: Sequence[Form]) -> dict[str, Form]:
 
 
 def require_gains(parts: Sequence[LinearPart], allowed: float, scalar: type[np.floating]) -> None:
-    """Raise EmitError, by name, for a DC gain whose relative change is not at most `allowed`."""
+    """Raise EmitError, by name, for a DC gain whose relative change is not at most `allowed`.
+
+    So for a stable pole that moves by more, relative to its frequency, and becomes unstable.
+    """
+    modal = "in modal form, [[a, b], [-b, a]] for the poles a +- ib, as `biquad.block` does, or at a lower rate"
     for part in parts:
+        names = ", ".join(part.states)
+        if abs(part.pole) < 1 - STEADY and abs(part.rounded_pole) > 1 and part.shift > allowed:
+            raise EmitError(
+                f"the states {names} have a pole with |z| = {abs(part.pole):.6g}, but with the coefficients of "
+                f"{np.dtype(scalar).name} {abs(part.rounded_pole):.6g}, which is unstable: write them {modal}, or "
+                "emit float64"
+            )
         if (g := part.gain) and not g.error <= allowed:
             raise EmitError(
                 f"the DC gain from '{g.input}' to '{g.output}' is {g.exact:.6g}, but with the coefficients of "
                 f"{np.dtype(scalar).name} {g.rounded:.6g}, a change of {g.error:.2g} where {allowed:g} is allowed: "
-                f"write the states {', '.join(part.states)} in modal form, [[a, b], [-b, a]] for the poles a +- ib, "
-                "as `biquad.block` does, or at a lower rate, emit float64, or declare another `gain_error`"
+                f"write the states {names} {modal}, emit float64, or declare another `gain_error`"
             )

@@ -193,6 +193,26 @@ def test_linear_dynamics_are_known_in_every_form(next: Callable[..., Any], count
     assert [part.pole for part in made] == pytest.approx([0.75] * count)
 
 
+@pytest.mark.parametrize(
+    ("order", "hertz", "kind", "rate"),
+    [(4, 1.0, "low", 1e4), (4, 10.0, "high", 1e4), (2, [10.0, 20.0], "band", 1e4), (3, 1.0, "low", 1e4),
+     (4, 1.0, "high", 1e3)],
+)  # fmt: skip
+def test_a_filter_that_becomes_unstable_is_refused(order: int, hertz: Any, kind: str, rate: float) -> None:
+    """Its DC gain alone would not show it: that of a band-pass is 0, and (1 - z)^4 near z = 1 is like an integrator."""
+    b, a = signal.butter(order, hertz, kind, fs=rate)
+    A, B, C, D = signal.tf2ss(b / np.abs(b).max(), a)
+    assert np.abs(np.linalg.eigvals(A)).max() < 1 < np.abs(np.linalg.eigvals(np.float32(A).astype(float))).max()
+    block = of((A, B, C * 1e-12, D * 1e-12), rate, 1e6)
+    with pytest.raises(EmitError, match=r"have a pole with \|z\| = 0.99\d+, but with .* float32 1\.\d+, which is unst"):
+        emit(block, F32)
+    emit(block, np.float64)
+    emit(block, F32, gain_error=np.inf)
+    fast = signal.butter(2, [0.01 * rate, 0.02 * rate], "band", fs=rate)
+    A, B, C, D = signal.tf2ss(*fast)
+    emit(of((A, B, C * 1e-6, D), rate, 1e6), F32)
+
+
 def test_a_gain_that_is_zero_by_design_is_left_alone() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         s = k["a"] * x["s"] + k["b"] * u["u"]
