@@ -199,7 +199,8 @@ def _risen(course: Course, share: float) -> Course:
 
 def _rise(time: Array) -> Array:
     """Return the rise r of forces over all times (N,) of a run."""
-    return np.asarray(np.minimum(time, limit := min(RAMP_S, RAMP_SHARE * time[-1])) / (limit or 1.0))
+    rise_s = min(RAMP_S, RAMP_SHARE * len(time) * np.ptp(time[:2]))
+    return np.asarray(np.minimum(time, rise_s) / (rise_s or 1.0))
 
 
 def _spectrum(floor: Floor, seed: int, k: int) -> Course:
