@@ -11,8 +11,9 @@
 
 Conditions of an experiment are its initial state, time profiles of disturbances and auxiliary inputs, and changed
 parameters. A run starts at the loop's equilibrium at the initial state, with the controller's states and currents that
-belong to it. Where this state is on a stop, or outside the set-points' ranges, and in all but the first three, the
-controller is switched on there, with the actuators at their safe values. `synth.simulate.experiments` runs them.
+belong to it. Where this state is on a stop, in motion or outside the set-points' ranges, or the loop has no stable
+equilibrium there, and in all but the first three, the controller is switched on there, with the actuators at their safe
+values. `synth.simulate.experiments` runs them.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -319,7 +319,7 @@ def run(rig: Rig, experiments: Sequence[Any], progress: Callable[[str], None]) -
 def _trajectory(
     rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions, settled: bool = True
 ) -> Trajectory:
-    """Run from the loop's equilibrium; not `settled`, or where the machine rests on a stop, switch it on at rest."""
+    """Run from the loop's equilibrium; not `settled`, or where there is none to start at, switch the machine on."""
     time, interface = sample_times(duration_s, rig.period_s), rig.stage.interface
     profiles = conditions.profiles(interface, courses, time)
     forcing = conditions.forcing(rig.plant, interface.disturbances, under.disturbances, time)

@@ -4,6 +4,7 @@ plant --> sensors (noise, resolution) --> compiled controller --> drive --> dela
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any, Protocol
@@ -15,16 +16,19 @@ from numpy.typing import ArrayLike
 from synth.analyse.loops import robustness
 from synth.declare.effects import Course
 from synth.declare.stage import Stage
+from synth.errors import ModelError
 from synth.execute import host
 from synth.plant import Plant, velocities
 from synth.signals import signal_names
 from synth.simulate import closed_loop, conditions, faulty
 from synth.simulate import drive as drives
 from synth.simulate.scenario import Array, Encoder, Scenario, Trajectory, sample_times
+from synth.statespace import StateSpace
 
 Wires = Mapping[str, str | Mapping[str, float]]
 Values = tuple[tuple[str, float], ...]
 DITHER = 1e-4  # of the declared noise, of an ideal sensor
+UNDAMPED = 1 - 1e-9  # |z| of an oscillator that does not decay
 
 
 class Simulate(Protocol):
@@ -85,9 +89,21 @@ def _first_drive_commands(
 
 @lru_cache(maxsize=64)  # all machines of a study start there
 def _equilibrium(stage: Stage, start: Values, case: Values) -> tuple[dict[str, float], ...]:
-    """Return the plant's states, the controller's and its outputs at the equilibrium of the declared loop."""
+    """Return the plant's states, the controller's and its outputs at the stable equilibrium of the declared loop.
+
+    There are none where it has no such equilibrium, to which no run would come. On a kink of the plant, where there are
+    no poles, it counts as stable.
+    """
     loops = robustness.of_stage(replace(stage, operating_points={"start": dict(start)}))
-    rest = robustness.equilibrium_at(loops, "start", dict(case))
+    try:
+        rest = robustness.equilibrium_at(loops, "start", dict(case))
+    except ModelError:
+        return ()
+    with suppress(ModelError):
+        if _oscillates(rest.controller) or not all(
+            loop.is_stable for loop in robustness.closed_loops(replace(loops, cases=(dict(case),)))
+        ):
+            return ()
     block = rest.closed.controller
     at = [
         [values[s.name] for s in signals]
@@ -96,6 +112,15 @@ def _equilibrium(stage: Stage, start: Values, case: Values) -> tuple[dict[str, f
     outputs = np.asarray(block.function()(*at)[1]).ravel().tolist()
     x = dict(zip(rest.point.states, rest.point.x.tolist(), strict=True))
     return x, dict(rest.state), dict(zip(signal_names(block.outputs), outputs, strict=True))
+
+
+def _oscillates(law: StateSpace) -> bool:
+    """Tell whether a law has an oscillator: undamped states that no input reaches, and which the loop's poles lack."""
+    free = ~(law.B != 0).any(axis=1)
+    for _ in law.A:
+        free &= ~(law.A[:, ~free] != 0).any(axis=1)
+    z = np.linalg.eigvals(law.A[np.ix_(free, free)])
+    return bool(((np.abs(z) > UNDAMPED) & (np.abs(z - 1) > 1 - UNDAMPED)).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,12 +256,20 @@ class Rig:
     def may_rest(self, start: Mapping[str, float]) -> bool:
         """Tell whether the loop may have an equilibrium at `start`: still, off its stops, with set-points in range.
 
-        A stage that opens its loops itself has a controller that no sample leaves at rest.
+        A sensor that wraps shows its first turn there. A stage that opens its loops itself has a controller that no
+        sample leaves at rest.
         """
         states, rates = {**self.stage.start, **start}, velocities(self.plant) | dict(self.stage.velocities)
-        is_free = all(low < states.get(q, 0.0) < high for q, (low, high) in self.stage.stops.items())
         moves = any(states.get(v, 0.0) for v in rates.values())
-        return is_free and not moves and self._positions_at(start) == self.set_points_at(start) and not self.stage.loops
+        outputs, wrapping = self.plant.output_values(states), (s for s in self.stage.interface.sensors if s.wraps)
+        turned = any(not 0 <= outputs[s.of][0] - (s.low or 0.0) < s.wraps for s in wrapping)
+        in_range = self._positions_at(start) == self.set_points_at(start)
+        return self.is_free(start) and in_range and not (moves or turned or self.stage.loops)
+
+    def is_free(self, start: Mapping[str, float]) -> bool:
+        """Tell whether the machine is on no stop at `start`."""
+        states = {**self.stage.start, **start}
+        return all(low < states.get(q, 0.0) < high for q, (low, high) in self.stage.stops.items())
 
     def at_equilibrium(self, start: Mapping[str, float], case: Mapping[str, float]) -> dict[str, Any]:
         """Return options of `run` under which the declared loop is in equilibrium, with the plant at or near `start`.
@@ -246,12 +279,15 @@ class Rig:
         them. A `case` gives parameters and auxiliary inputs. A machine that differs from the declared one starts there,
         too.
 
-        Raises ModelError as `robustness.equilibrium_at`.
+        Without a stable equilibrium there, off the stops, they are `start`, where the machine is switched on.
         """
         asked = self.set_points_at(start)
         held = dict.fromkeys(self.stage.stops, 0.0) | {q: asked[name] for name, q in self.positions.items()}
         at = {q: value for q, value in held.items() if q in self._states} | {**self.stage.start, **start}
-        states, controller, commands = _equilibrium(self.stage, tuple(at.items()), tuple(case.items()))
+        rest = _equilibrium(self.stage, tuple(at.items()), tuple(case.items()))
+        if not (rest and self.is_free(rest[0])):
+            return {"start": start}
+        states, controller, commands = rest
         read, written = (struct.names or () for struct in (self.controller.state, self.controller.outputs))
         hold = {name: value for name, value in commands.items() if name in written}
         return {

@@ -10,6 +10,7 @@ so that it rests, with a load that is not the payload, at e = (payload - load) g
 from dataclasses import replace
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -163,6 +164,88 @@ def test_a_run_from_a_stop_or_from_beyond_the_set_points_is_switched_on_there(ri
         assert (run.applied["i"][0] == 0.0) == begun == (not run.initial)
     lift = LiftOff({"z_ref": 4e-4}, 0.1, 0.1, 1e-5, Conditions(start={"z": 0.0}))
     assert experiments.result(lift, rig).trajectory.applied["i"][0] == 0.0
+
+
+def single(step: Any, states: list[State], physics: Any = None, **limits: Any) -> Rig:
+    """Return a rig of a mass with x'' = i - 9.81 under a law of y, r and its states, `b` the position a sample ago."""
+    x, i = Signal("x", "m", -1e-2, 1e-2), Signal("i", "A", -50, 50)
+    plant = plants.build(
+        "mass", [x, Signal("v", "m/s", -5, 5)], [i], [x], [],
+        physics or (lambda x, u, p: ({"x": x["v"], "v": u["i"] - G}, {"x": x["x"]})),
+    )  # fmt: skip
+    interface = stage.interface(
+        plant,
+        sensors=[Sensor("x")],
+        set_points=[SetPoint("r", of="x", low=-1e-3, high=1e-3)],
+        actuators=[Actuator("i", safe=0.0, slew_per_s=100.0)],
+    )
+    held, before = [interface.held("x"), interface.held("r")], State(Signal("b", "m", -1e-2, 1e-2), 0.0)
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        demand, after = step(u["x_held"], u["r_held"], (u["x_held"] - x["b"]) / T, x)
+        return Step({"i_demand": demand}, {"b": u["x_held"]} | after)
+
+    block = build("law", Discrete(T), law, inputs=held, states=[before, *states], outputs=[interface.demand("i")])
+    controller = stage.controller("mass", Discrete(T), interface, [block])
+    declared = stage.design(controller, plant, operating_points={"middle": {"x": 0.0}}, **limits)
+    return Rig(declared, plant, standard_tasks.compiled_controller(declared, np.float32))
+
+
+def state(name: str, start: float = 0.0) -> State:
+    return State(Signal(name, "1", -20, 20), start)
+
+
+def pd(y: Any, r: Any, v: Any) -> Any:
+    return G + 4e3 * (r - y) - 80 * v
+
+
+LAWS: dict[str, tuple[bool, Any, list[State]]] = {
+    "rests": (True, lambda y, r, v, x: (pd(y, r, v), {}), []),
+    "holds a number": (True, lambda y, r, v, x: (pd(y, r, v) + x["s"], {"s": x["s"]}), [state("s", 0.1)]),
+    "of the wrong sign": (False, lambda y, r, v, x: (G + 3.0 * (y - r), {}), []),
+    "slowly unstable": (False, lambda y, r, v, x: (G + 4e3 * (r - y) + 2.0 * v, {}), []),
+    "with a dither": (False, lambda y, r, v, x: (pd(y, r, v) + x["s"], {"s": -x["s"]}), [state("s", 0.1)]),
+    "with a sine": (
+        False,
+        lambda y, r, v, x: (
+            pd(y, r, v) + x["s"],
+            {"s": np.cos(0.1) * x["s"] - np.sin(0.1) * x["c"], "c": np.sin(0.1) * x["s"] + np.cos(0.1) * x["c"]},
+        ),
+        [state("s", 0.1), state("c")],
+    ),
+    "that counts": (
+        False,
+        lambda y, r, v, x: (pd(y, r, v), {"n": ca.if_else(x["n"] >= 9, 0, x["n"] + 1)}),
+        [State(Signal("n", "1", 0, 20), 0.0, integer=True)],
+    ),
+    "of a relay": (False, lambda y, r, v, x: (G + ca.if_else(r - y - 0.02 * v > 0, 2.0, -2.0), {}), []),
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_law_that_would_not_stay_at_rest_is_switched_on(law: str) -> None:
+    """A run that started at an equilibrium to which none leads would show neither an instability nor an oscillator."""
+    rests, step, states = LAWS[law]
+    run = experiments.result(Hold({"r": 1.0}, 0.3, 0.1), single(step, states)).trajectory
+    assert bool(run.initial) == rests and (run.applied["i"][0] == 0.0) == (not rests)
+    assert rests or np.ptp(run["x"]) > 4e-6  # falls by g T^2 / 2
+    if law in ("with a dither", "with a sine"):
+        assert np.ptp(run["i"][-100:]) == pytest.approx(0.2, rel=0.2)
+
+
+def test_a_loop_that_would_rest_beyond_a_stop_is_switched_on() -> None:
+    sagging = single(lambda y, r, v, x: (4e3 * (r - y) - 80 * v, {}), [], stops={"x": (-2e-3, 2e-3)})
+    run = experiments.result(Hold({"r": 1.0}, 0.3, 0.1), sagging).trajectory  # by g / P = 2.45 mm
+    assert not run.initial and run["x"][0] == 0.0 and run["x"][-1] == -2e-3
+    free = single(lambda y, r, v, x: (4e3 * (r - y) - 80 * v, {}), [], stops={"x": (-3e-3, 3e-3)})
+    run = experiments.result(Hold({"r": 1.0}, 0.3, 0.1), free).trajectory
+    assert run["x"][0] == pytest.approx(-G / 4e3) and np.ptp(run["x"]) < 1e-8
+
+
+def test_a_sensor_that_wraps_shows_its_first_turn_at_rest(rig: Rig) -> None:
+    wrapping = rig.with_interface(sensors=(Sensor("z", of="z", wraps=2e-4, low=-1e-4, high=1e-4),))
+    starts = {0.0: True, 9e-5: True, -1e-4: True, 1.1e-4: False, -1.1e-4: False, 3e-4: False}
+    assert {z: wrapping.may_rest({"z": z}) for z in starts} == starts
 
 
 def test_a_feedforward_is_a_course_of_an_auxiliary_input(rig: Rig) -> None:
