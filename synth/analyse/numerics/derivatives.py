@@ -111,7 +111,8 @@ def linear_model(
 
     `point` has a value of each argument. `sides` tell of each of the `signals` of the first two whether it moves down
     and up. One that moves to one side alone has its derivative on that side; one that does not move, such as a counter,
-    has CasADi's. A row without a name may have a kink.
+    or a state between its bounds that only inputs reach that do not move, has CasADi's. A row without a name may have a
+    kink.
 
     Raises ModelError, naming `what`, at a kink where all derivatives of CasADi's are finite.
     """
@@ -124,6 +125,13 @@ def linear_model(
     if SWITCHES.keys().isdisjoint(f.instruction_id(k) for k in range(f.n_instructions())) or not np.isfinite(J).all():
         return A, B, C, D
     z, (down, up) = np.concatenate([np.ravel(each) for each in point]), np.reshape(sides, (-1, 2)).T
+    moves = down | up
+    if not moves[A.shape[1] :].all():  # a state that only held inputs reach stays, too: a prefilter of a set-point
+        reached = (B[: len(A)] != 0) @ moves[A.shape[1] :]
+        for _ in A:
+            reached |= (A != 0) @ reached
+        stays = down & up & ~np.concatenate([reached, moves[len(A) :]])
+        down, up = down & ~stays, up & ~stays
     changes = _changes(f, z, signals, down, up)
     least = _require_derivative(what, f, z, signals, changes, rows)
     wrong = (np.abs(J * changes.widths - changes.above) > least[:, None]) & (down | up)  # CasADi's for two branches

@@ -176,3 +176,30 @@ def test_a_state_at_its_bound_moves_inwards() -> None:
     model = loop.linearise_block(held_pd(0.0), {}, {"z": 0.0, "wish": 0.3})
     assert model.A.tolist() == [[0.5, 0.0], [0.0, 0.0]] and model.C.tolist() == [[1.0, 0.0]]
     assert model.D.tolist() == [[-4.0, 5.0]]
+    alone = loop.linearise_block(held_pd(0.0), {}, {"z": 0.0, "wish": 0.3}, held=["wish"])
+    assert alone.A.tolist() == [[0.5, 0.0], [0.0, 0.0]] and alone.D.tolist() == [[-4.0]]
+
+
+@pytest.mark.parametrize(
+    ("reads", "moves"), [("r", False), ("y", True), ("p", False), ("r + y", True), ("0.5 * p + 1e-3 * y", True)]
+)
+def test_a_state_that_only_a_held_input_reaches_does_not_move(reads: str, moves: bool) -> None:
+    """A feedforward of Coulomb friction, sign(r - r before), jumps at rest, where r is held; so p, a prefilter of r."""
+
+    def law(u: block.Exprs, x: block.Exprs, k: block.Exprs) -> Step:
+        now = eval(reads, {"r": u["r"], "y": u["y"], "p": x["p"]})
+        return Step({"u": ca.sign(now - x["before"]) - u["y"]}, {"p": 0.9 * x["p"] + 0.1 * u["r"], "before": now})
+
+    r, y = Signal("r", "m", -1, 1), Signal("y", "m", -1, 1)
+    states = [State(Signal(n, "m", -1, 1), 0.0) for n in ("p", "before")]
+    forward = block.build("forward", Discrete(1e-3), law, inputs=[r, y], outputs=[U], states=states)
+    rest: dict[str, float] = {"r": 0.0, "y": 0.0}
+    with pytest.raises(ModelError, match="the output 'u' "):
+        loop.linearise_block(forward, {}, rest)
+    if moves:
+        with pytest.raises(ModelError, match="the output 'u' "):
+            loop.linearise_block(forward, {}, rest, ["r"])
+    else:
+        model = loop.linearise_block(forward, {}, rest, ["r"])
+        np.testing.assert_array_equal(model.D, [[-1.0]])
+        np.testing.assert_array_equal(model.A[0], [0.9, 0.0])
