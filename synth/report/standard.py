@@ -175,9 +175,8 @@ def verification(evidence: Evidence, floor: str = "") -> Section:
 
 def files(emitted: Mapping[str, EmittedCode]) -> Section:
     """Return the size and hash of each emitted file, by folder, and what the scalar type does to linear dynamics."""
-    changes = [
-        (folder, line) for folder, e in emitted.items() for line in word_length.summary(e.parts, e.manifest["scalar"])
-    ]
+    changed = {folder: each for folder, each in emitted.items() if each.parts}
+    changes = [(f, line) for f, e in changed.items() for line in word_length.summary(e.parts, e.manifest["scalar"])]
     rounding = [show.Table("Rounding of the linear dynamics", ("folder", "figures"), tuple(changes))] if changes else []
     texts = {f"{folder}/{name}": text for folder, each in emitted.items() for name, text in each.files.items()}
     return Section(FILES, (sections.files(texts), *rounding))

@@ -260,7 +260,8 @@ def _evaluate(block: Block, exprs: Sequence[ca.SX], x: Columns, u: Columns) -> N
     """Return the values (m, N) of expressions at N steps."""
     groups = ([s.name for s in block.states], x), ([s.name for s in block.inputs], u)
     arguments = [ca.vcat([block.symbol[n] for n in names]) for names, _ in groups]
-    columns = [np.array([c[n] for n in names], dtype=np.float64).reshape(len(names), -1) for names, c in groups]
+    size = len(next(iter((x or u).values())))
+    columns = [np.array([c[n] for n in names], dtype=np.float64).reshape(len(names), size) for names, c in groups]
     (values,) = column_maps.map_columns(ca.Function("values", arguments, [ca.vcat(exprs)]), *columns)
     return values
 

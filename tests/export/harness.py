@@ -63,11 +63,15 @@ def build(folder: Path, cc: str = "", flags: str = PATIENT, link: str = "") -> s
 
 def make(folder: Path, *words: str) -> str:
     """Run make in a project, as a user does: nothing of a make that runs the tests; return what it prints."""
-    outside = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
-    environment = {**outside, "ZIG_GLOBAL_CACHE_DIR": zig()}
+    environment = {**outside_make(), "ZIG_GLOBAL_CACHE_DIR": zig()}
     done = subprocess.run(["make", *words], cwd=folder, capture_output=True, text=True, env=environment, timeout=1800)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
     return done.stdout + done.stderr
+
+
+def outside_make() -> dict[str, str]:
+    """Return the environment without that of a make that runs the tests, which warns within it."""
+    return {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
 
 
 def zig() -> str:

@@ -40,7 +40,9 @@ def test_the_host_compiler_warns_of_nothing(built: Path) -> None:
 @tools.needs("cmake", shows="that the project builds by CMake as well")
 def test_cmake_builds_the_same_program(built: Path, tmp_path: Path) -> None:
     subprocess.run(["cmake", "-S", str(built), "-B", str(tmp_path)], check=True, capture_output=True)
-    done = subprocess.run(["cmake", "--build", str(tmp_path)], check=True, capture_output=True, text=True)
+    done = subprocess.run(
+        ["cmake", "--build", str(tmp_path)], check=True, capture_output=True, text=True, env=harness.outside_make()
+    )
     assert "warning" not in done.stdout + done.stderr
     subprocess.run([tmp_path / "levitator_2dof", "--replay", built / "vectors"], check=True, capture_output=True)
 

@@ -62,6 +62,7 @@ def examples() -> Mapping[str, Call]:
         "safe_output.braking_block": {"axes": [moving], "demands": {"gap": (replace(U, name="law"), U)}, "share": 0.5},
         "dead_reckoning.Axis": fields(moving),
         "dead_reckoning.RateBias": {"pole": 0.99, "unmeasured": 28},
+        "dead_reckoning.Disturbance": {"pole": 0.97, "largest": 5.0},
         "start.block": {"demands": {replace(U, name="law"): U}},
         "innovation_monitor.states": {"channels": coils, "repeats": 6},
         "innovation_monitor.numbers": {"channels": coils, "repeats": 6},

@@ -62,7 +62,7 @@ def test_a_trajectory_keeps_a_status_apart_from_faults(status: bool) -> None:
     assert controller.status_mask == (1 << 5 if status else 0)
     words = np.array([1 << 5, 1 << 5 | 1, 1 << 31], np.uint32)
     units = closed_loop.column_units(PID.PLANT, [controller])
-    run = closed_loop.trajectory(units, controller.status_mask, np.arange(3.0), _columns(), words, {})
+    run = closed_loop.trajectory(units, controller.status_mask, np.arange(3.0), _columns(), words, {}, {})
     np.testing.assert_array_equal(run.faults, [0, 1, 1 << 31] if status else words)
     np.testing.assert_array_equal(run.status, [1 << 5, 1 << 5, 0] if status else [0, 0, 0])
 
