@@ -28,15 +28,13 @@ from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
 
-Bandwidth = Mapping[str, float]  # of x, y and phi, rad/s
+Bandwidth = Mapping[str, float]  # of x, y and phi, and of the force in x and y that is learnt, rad/s
 FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s: bounds of the predicted rates
 SHARE = 0.5  # of the rates, removed in a braking sample
 INERTIA = {"x": "M", "y": "M", "phi": "Izz"}
 # A mean over 400 samples, and the samples until the latch. A lost laser leaves the yaw measured until then: its rate is
 # corrected by a sixth too much.
-# The force of cables and hoses: at most the 48 N that A and B make along y. With 20 rad/s a channel that sticks teaches
-# the lead-lag stage so much of a force that 0.052 m/s are left after the latch.
-DISTURBANCE = 16.0, 32.0  # rad/s, m/s^2
+LARGEST_FORCE = 32.0  # m/s^2, of cables and hoses: the 48 N that A and B make along y
 BIAS = {"phi": dead_reckoning.RateBias(0.9975, interface.BAD_SAMPLES - 1 + interface.BRAKING)}
 
 
@@ -72,7 +70,9 @@ def axes(plant: Plant, time: Discrete, bandwidth: Bandwidth) -> list[dead_reckon
             FASTEST[axis],
             1 - bandwidth[axis] * time.period_s,
             BIAS.get(axis),
-            dead_reckoning.Disturbance(1 - DISTURBANCE[0] * time.period_s, DISTURBANCE[1]) if axis != "phi" else None,
+            dead_reckoning.Disturbance(1 - bandwidth["force"] * time.period_s, LARGEST_FORCE)
+            if axis != "phi"
+            else None,
         )
         for axis in HORIZONTAL
     ]

@@ -50,7 +50,7 @@ FARTHEST = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad
 BRAKING = 24  # samples
 REMAINING = 0.5  # of the rate, after a braking sample
 MEAN = {"phi": 0.9975}  # pole of the mean innovation
-LEARNS, LARGEST = {"x": 16.0, "y": 16.0}, 32.0  # rad/s, m/s^2: of the disturbance
+LEARNS, LARGEST = "xy", 32.0  # axes whose disturbance is learnt, and its bound in m/s^2
 PHASES = tuple(f"i_{motor}{phase}" for motor in CENTRES for phase in "ABC")
 VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the factor on the gain at low frequencies
     "z": ("323252", "102.91", "776.828", "0.65"),
@@ -155,7 +155,7 @@ def sample(
             FARTHEST[a],
             MEAN.get(a, 0.0),
             BAD_SAMPLES - 1 + BRAKING,
-            LEARNS.get(a, 0.0),
+            bandwidth["force"] if a in LEARNS else 0.0,
             LARGEST,
         )
         for a, inertia in INERTIAS.items()

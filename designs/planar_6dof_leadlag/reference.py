@@ -26,7 +26,7 @@ PERIOD = Fraction(1, 1000)  # s
 GAIN = {"x": "15000", "y": "15000", "phi": "35"}  # (21), (22)
 GAIN_SHARE = {"x": "0.4", "y": "0.4", "phi": "0.5"}  # factor on it in the shipped controller
 LEAD = {"x": "0.11", "y": "0.11", "phi": "0.12"}  # s
-BANDWIDTH = {"x": 48.0, "y": 48.0, "phi": 8.0}  # rad/s, of the prediction
+BANDWIDTH = {"x": 48.0, "y": 48.0, "phi": 8.0, "force": 16.0}  # rad/s, of the prediction
 LAG, RESET = Fraction("0.00088"), Fraction("0.1")  # s
 
 

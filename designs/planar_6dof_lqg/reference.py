@@ -32,7 +32,7 @@ FORCE = PER_AMPERE * 1.52  # N/A
 WEIGHTS = {"x": (1e4, 1e10, 1e2), "y": (1e3, 1e9, 1e1), "phi": (1e3, 1e10, 2e1)}  # of q, z, q'
 ERROR = {"x": 1.5e-3, "y": 4e-3, "phi": np.inf}  # m, rad
 LATE = {"x": 27, "y": 28}  # bits of the fault word: the error is beyond ERROR
-BANDWIDTH = {"x": 48.0, "y": 48.0, "phi": 12.0}  # rad/s, of the prediction
+BANDWIDTH = {"x": 48.0, "y": 48.0, "phi": 12.0, "force": 30.0}  # rad/s, of the prediction
 POLE = {"x": "0.7", "y": "0.7", "phi": "0.9"}
 HORIZONTAL, UPRIGHT = ("x", "y", "phi"), ("z", "theta", "psi")
 
