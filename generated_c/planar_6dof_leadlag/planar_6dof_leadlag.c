@@ -726,16 +726,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* m; T^2 / 2 times the largest disturbance that is learnt; of x, y */
         static const float disturbance_limit = 1.6e-05f;
         static const float phi_rate_limit = 0.04f; /* rad; 40 rad/s times T: largest rate that is predicted */
-        static const float reckoning_x_position_gain = 0.12085056f; /* 1; k_p for poles 0.952, 0.952 and 0.97 */
-        static const float reckoning_x_rate_gain = 0.00514944f; /* 1; k_s for the same poles */
+        static const float reckoning_x_position_gain = 0.10817843f; /* 1; k_p for poles 0.952, 0.952 and 0.984 */
+        static const float reckoning_x_rate_gain = 0.003821568f; /* 1; k_s for the same poles */
         /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
         static const float reckoning_x_half_step = 6.315046e-06f;
-        static const float reckoning_x_disturbance_gain = 3.456e-05f; /* 1; k_h for the same poles */
-        static const float reckoning_y_position_gain = 0.12085056f; /* 1; k_p for poles 0.952, 0.952 and 0.97 */
-        static const float reckoning_y_rate_gain = 0.00514944f; /* 1; k_s for the same poles */
+        static const float reckoning_x_disturbance_gain = 1.8432e-05f; /* 1; k_h for the same poles */
+        static const float reckoning_y_position_gain = 0.10817843f; /* 1; k_p for poles 0.952, 0.952 and 0.984 */
+        static const float reckoning_y_rate_gain = 0.003821568f; /* 1; k_s for the same poles */
         /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
         static const float reckoning_y_half_step = 6.315046e-06f;
-        static const float reckoning_y_disturbance_gain = 3.456e-05f; /* 1; k_h for the same poles */
+        static const float reckoning_y_disturbance_gain = 1.8432e-05f; /* 1; k_h for the same poles */
         static const float reckoning_phi_position_gain = 0.015936f; /* 1; 1 - r^2, r = 0.992 */
         static const float reckoning_phi_rate_gain = 6.4e-05f;  /* 1; (1 - r)^2, r = 0.992 */
         /* rad/A; T^2 / 2 times the acceleration of 223.259 rad/s^2 per A */

@@ -16,8 +16,8 @@
  * What this does to the machine:
  *   - the air bearings carry the platen, and without current no force acts on it
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.0003 m/s (y) and 0.0034 rad/s (theta)
- *   - in motion the machine reaches 0.0052 m/s (x) and 0.093 rad/s (phi)
+ *     machine reaches 0.00023 m/s (y) and 0.0034 rad/s (theta)
+ *   - in motion the machine reaches 0.0051 m/s (x) and 0.093 rad/s (phi)
  *   - at rest, tilted, off the middle the machine reaches 0.0023 m/s (z) and 0.21 rad/s (phi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
@@ -60,7 +60,7 @@
  * before init.
  *
  * Before the first sample in which all Hall voltages are good no current is demanded, since x, y and the yaw are not
- * known. Six suspects at once can also mean a dead or reversed phase, a force that jumps by more than 4 N, or missed
+ * known. Six suspects at once can also mean a dead or reversed phase, a force that jumps by more than 3 N, or missed
  * calls. The force of a cable or a hose is learnt: up to 12 N in x and 20 N in y, applied within two seconds, set no
  * bit.
  *

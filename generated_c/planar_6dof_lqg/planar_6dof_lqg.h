@@ -60,7 +60,7 @@
  * before init.
  *
  * Before the first sample in which all Hall voltages are good no current is demanded, since x, y and the yaw are not
- * known. Six suspects at once can also mean a dead or reversed phase, a force that jumps by more than 4 N, or missed
+ * known. Six suspects at once can also mean a dead or reversed phase, a force that jumps by more than 3 N, or missed
  * calls. The force of a cable or a hose is learnt: up to 12 N in x and 20 N in y, applied within two seconds, set no
  * bit.
  *
