@@ -37,9 +37,9 @@ def run(stage: Stage, sampling: Sampling, patterns: tuple[str, ...], rows: Seque
 
 @lru_cache(maxsize=4)
 def integration_of(stage: Stage, patterns: tuple[str, ...]) -> Integration:
-    """Return the integration that the first experiment needs, stored or measured."""
-    double = standard_tasks.rig(stage, np.float64)
-    first = study.select(stage.all_experiments, patterns)[0]
+    """Return the integration that the first experiment that begins in lanes needs, stored or measured."""
+    double, chosen = standard_tasks.rig(stage, np.float64), study.select(stage.all_experiments, patterns)
+    first = next((e for e in chosen if integration.runs_in_lanes(double, e)), chosen[0])
 
     def measure() -> Integration:
         try:

@@ -20,7 +20,7 @@ from synth.declare.stage import Stage
 from synth.declare.tuning import Candidate, Goal, Plan, Tuning
 from synth.errors import ContentError, DesignError, SynthError
 from synth.execute import host
-from synth.simulate import study
+from synth.simulate import integration, study
 from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.sampling import Sampling
@@ -92,7 +92,8 @@ def with_values(stage: Stage, tuning: Tuning, values: Mapping[str, float]) -> St
 
 def measure_goals(search: Search, stage: Stage, rig: Rig) -> tuple[Goal, ...]:
     """Return the goals that a stage reaches on the machines of the plan, under the controller of a rig."""
-    experiments = study.select(stage.all_experiments, search.tuning.experiments)
+    chosen = study.select(stage.all_experiments, search.tuning.experiments)
+    experiments = [e for e in chosen if integration.runs_in_lanes(search.rig, e)]  # a candidate has no C of its own
     sampling = Sampling(search.plan.plants, search.plan.seed)
     table = verdicts.with_limits(stage, study.run(rig, experiments, sampling, range(sampling.rows), search.integration))
     stage = _at_points(stage, search.tuning.points)

@@ -60,7 +60,8 @@ class Tuning:
 
     free         the free parameters
     controller   {name: value} of these to a `stage.controller`; the declared values give the declared controller
-    experiments  patterns of the experiments' names that the search runs, all of them without patterns
+    experiments  patterns of the experiments' names that the search runs, all of them without patterns, except for those
+                 with a further plant, such as effects make, which `synth study` runs
     goals        {"experiment: check or figure": largest value} in place of the study's or the check's limit
     points       operating points at which the search computes margins, all of them without; the certificate has all
     require      least margins beyond those of the stage; `disk_margin` is that of all actuators and sensors at once

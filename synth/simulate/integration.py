@@ -87,6 +87,8 @@ def choose(rig: Rig, experiment: Any) -> Integration:
     run = first_run(rig, experiment)
     if run is None:
         raise WiringError(f"experiment '{experiment.name}' simulates nothing: choose the steps in another one")
+    if run.plant.f is not rig.plant.f:
+        raise WiringError(f"experiment '{experiment.name}' changes the plant: choose the steps in another one")
     plant, controller, scenario = run.plant, run.controller, replace(run.scenario, encoders={}, noise={})
     tight = closed_loop.simulate(plant, controller, replace(scenario, substeps=TIGHT), drive=rig.drive)
     loop = lanes.compile_loop(rig.plant, controller, rig.drive, lanes=1)

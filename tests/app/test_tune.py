@@ -11,6 +11,8 @@ import pytest
 from synth.app import tune_command, tune_jobs, tune_search, workspace
 from synth.base import jobs
 from synth.base.progress import Counted, Display, Lines
+from synth.declare.effects import Cable
+from synth.declare.experiments import Conditions, Hold
 from synth.declare.fault_campaign import StudyLimits
 from synth.declare.tuning import LARGEST, Candidate, Certificate, FreeParameter, Goal, Plan, Tuned, Tuning
 from synth.errors import DesignError, EmitError, SignalError, WiringError
@@ -133,7 +135,9 @@ def test_the_command_says_what_runs_and_for_how_long(monkeypatch: Any, capsys: p
 def prepared() -> tune_jobs.Search:
     module = levitator.design("levitator_2dof")
     tuning = replace(module.DESIGN.tuning, experiments=["step_z*"])
-    stage = replace(module.DESIGN, tuning=tuning, operating_points={"mid": {"z": 0.0}})
+    pulled = Hold({"z_ref": 1.0}, 0.1, 0.05, Conditions(effects=[Cable("x", 50.0)]), label="step_z_pulled")
+    experiments = (*module.DESIGN.experiments, pulled)
+    stage = replace(module.DESIGN, tuning=tuning, operating_points={"mid": {"z": 0.0}}, experiments=experiments)
     return tune_jobs.prepare(stage, Plan(3, 1, 1))
 
 
@@ -153,6 +157,7 @@ def test_the_certificate_holds_for_what_was_searched_and_for_nothing_else(prepar
     proposal = tune_jobs.evaluate(prepared, values)
     certificate = tune_search.certify(prepared, proposal)
     assert proposal.error == "" and certificate.goals == proposal.goals and certificate.checks[0].passed
+    assert not [g.name for g in proposal.goals if "pulled" in g.name], "its plant has no lanes"
     planted = replace(proposal.goals[0], value=np.nextafter(proposal.goals[0].value, 1.0))
     wrong = replace(proposal, goals=(planted, *proposal.goals[1:]))
     assert not tune_search.certify(prepared, wrong).checks[0].passed, "one bit of one goal"

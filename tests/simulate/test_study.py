@@ -9,7 +9,9 @@ from scipy import stats
 
 from synth.app import standard_tasks
 from synth.check import Check
-from synth.errors import DesignError, SignalError
+from synth.declare.effects import CurrentLoops
+from synth.declare.experiments import Conditions, Hold
+from synth.errors import DesignError, SignalError, WiringError
 from synth.report import study as report
 from synth.simulate import integration, study, study_table, worst_case
 from synth.simulate.experiments import Experiment
@@ -153,6 +155,13 @@ def test_the_steps_are_the_fewest_within_the_error(rig: Rig, monkeypatch: pytest
     assert (finer.substeps, finer.order) > (plain.substeps, plain.order) or finer.error > plain.error / 2
     monkeypatch.setattr(integration, "LARGEST_ERROR", 0.0)
     assert integration.choose(rig, Fall()).substeps == integration.CANDIDATES[-1][0]
+
+
+def test_the_steps_are_not_chosen_for_a_further_plant(rig: Rig) -> None:
+    lagging = Hold({"z_ref": 1.0}, 0.1, 0.05, Conditions(effects=[CurrentLoops(5e-4)]))
+    assert not integration.runs_in_lanes(rig, lagging)
+    with pytest.raises(WiringError, match="experiment 'hold_z_ref' changes the plant: choose the steps in another one"):
+        integration.choose(rig, lagging)
 
 
 def test_experiments_are_chosen_by_patterns() -> None:
