@@ -13,8 +13,7 @@ from models import levitator
 from synth import stage
 from synth.analyse import operating_points
 from synth.blocks.laws import axis
-from synth.declare.effects import Cable, CurrentLoops, Floor, Mode
-from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepResponse, Track, Withstand
+from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepResponse, Track
 from synth.declare.tuning import FreeParameter, Tuning
 from synth.stage import Actuator, FaultCampaign, FaultLimit, Sensor, SetPoint, StudyLimits
 from synth.synthesise.nonlinear import feedback_linearisation
@@ -48,9 +47,6 @@ FREE = [  # what `synth tune` may change: initial value, least and largest value
 HEAVY, STIFF = (Conditions(parameters=p) for p in (levitator.HEAVY, levitator.STIFF))
 HUMMING = Conditions(disturbances={"hum": Sine(0.2, MAINS)})  # N
 ON_ITS_STOP = Conditions(start={"z": levitator.STOPS["z"][0]})
-ROUGH = Conditions(  # what the model lacks: N/m and N, m/s^2 rms, Hz with damping and share, s
-    effects=[Cable("x", 50.0, 0.5), Floor(["z", "x"], 0.1), Mode("z", 180.0, 0.005, 0.1), CurrentLoops(2e-4)]
-)
 
 
 def axes(p: Mapping[str, float]) -> tuple[axis.ServoLaw, axis.ServoLaw]:
@@ -103,7 +99,6 @@ DESIGN = stage.design(
         Track({"z_ref": Sine(3e-4, SCAN), "x_ref": Sine(5e-4, SCAN, pi / 2)}, mean_error=2e-7),
         Hold({"z_ref": 2e-7, "x_ref": 5e-7}, duration_s=2.0, after_s=1.5, conditions=HUMMING),  # largest errors, m
         LiftOff({"z_ref": 0.0}, ramp_s=0.2, overshoot=0.05, error=2e-7, conditions=ON_ITS_STOP),
-        Withstand("rough_floor", ROUGH, duration_s=10.0),  # no fault bit, no contact, and by how much
     ],
     study=StudyLimits(0.95, dict.fromkeys(["track*: mean *", "hold*: largest *", "lift_off: |e_z| *"], 2e-6)),  # m
     stops=levitator.STOPS,
