@@ -350,7 +350,7 @@ def _duration(model: StateSpace, X: Array | None, final: Array | None) -> float:
     turns = 10 * 2 * np.pi / np.abs(rates[lasting & (np.abs(rates) > 1e-14 * size)])
     shortest = 1.0 if isinstance(model.time, Continuous) else 10 * model.time.period_s
     duration = float(np.concatenate([spans, turns]).max(initial=0.0)) or shortest
-    if X is None or final is None or not rates.size:
+    if X is None or final is None or not (rates.size and final.size):
         return duration
     A, S, C = resolvent.balanced(model.A, np.eye(len(model.A)), model.C)
     period = 0.0 if isinstance(model.time, Continuous) else model.time.period_s

@@ -316,3 +316,19 @@ def test_forced_responses_have_closed_forms() -> None:
 def test_a_forced_response_that_overflows_is_refused() -> None:
     with pytest.raises(ModelError, match="the response grows beyond"):
         time_response.forced_response(([[2e3]], [[1.0]]), {"u1": np.ones(1000)}, 0.01)
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(1e-3)])
+def test_a_model_without_outputs_has_an_empty_response(time: Any) -> None:
+    model = StateSpace(
+        [[-1.0 if isinstance(time, Continuous) else 0.9]],
+        [[1.0]],
+        np.zeros((0, 1)),
+        np.zeros((0, 1)),
+        ("x",),
+        ("u",),
+        (),
+        time,
+    )
+    for response in (time_response.step_response(model), time_response.impulse_response(model)):
+        assert response.outputs.shape[1:] == (0, 1) and len(response.time) > 1
