@@ -24,9 +24,9 @@
  *     parameters at their tolerances, and is no soft landing: from 18 mm the platen meets its lower stop at up to 0.57
  *     m/s
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.00022 m/s (z) and 0.03 rad/s (phi) and hits a stop at 0.0055 m/s (y)
+ *     machine reaches 0.00021 m/s (z) and 0.028 rad/s (phi) and hits a stop at 0.0055 m/s (y)
  *   - in motion the machine reaches 0.001 m/s (x) and 0.44 rad/s (theta) and hits a stop at 0.016 m/s (y)
- *   - at rest, tilted at 18.5 mm the machine reaches 0.00042 m/s (x) and 0.45 rad/s (phi) and hits a stop at 0.0054 m/s
+ *   - at rest, tilted at 18.5 mm the machine reaches 0.00042 m/s (x) and 0.45 rad/s (phi) and hits a stop at 0.0055 m/s
  *     (y) and 0.25 rad/s (phi)
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
