@@ -107,9 +107,8 @@ def test_a_steady_force_leaves_an_innovation_until_its_axis_has_learnt_it() -> N
 
 def test_a_disturbance_beyond_its_bound_leaves_the_innovation_of_the_rest() -> None:
     limited = replace(AXIS, disturbance=dead_reckoning.Disturbance(0.97, 0.05))
-    _, k_s, k_h = (c.value for c in dead_reckoning.block("r", TIME, [limited]).constants if "gain" in c.name)
-    rest, _ = predict(limited, 0.2)
-    assert rest[-1] == pytest.approx(0.15 * T**2 / k_s, rel=1e-6) and k_h > 0
+    k_s = (1 - R) ** 2 + 2 * (1 - R) * 0.03 - (1 - R) ** 2 * 0.03 / 2  # what is added to the rate in each sample
+    assert predict(limited, 0.2)[0][-1] == pytest.approx(0.15 * T**2 / k_s, rel=1e-6)
 
 
 def test_an_unmeasured_axis_goes_on_under_the_force_that_it_knows() -> None:
