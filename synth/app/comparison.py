@@ -3,18 +3,16 @@
 from collections.abc import Mapping
 from itertools import zip_longest
 
-from synth.analyse.loops import robustness
-from synth.app import study_jobs, study_runs, tasks
+from synth.app import study_jobs, study_runs, tasks, verdicts
 from synth.app.study_jobs import Plan
 from synth.app.tasks import Task
 from synth.base.jobs import Job, Outcome
 from synth.base.progress import Progress
-from synth.declare.stage import MARGINS, Stage
+from synth.declare.stage import Stage
 from synth.errors import DesignError
 from synth.report.comparison import Side
 from synth.simulate import study
 from synth.simulate.sampling import Sampling
-from synth.verify import standard
 
 
 def plan_of(designs: tuple[Stage, Stage], drawn: Sampling, patterns: tuple[str, ...]) -> Plan:
@@ -90,11 +88,9 @@ def _least_margins(stage: Stage) -> Task[dict[str, float]]:
 
     def compute(say: Progress) -> dict[str, float]:
         say("margins")
-        if not stage.operating_points:
-            return {}
-        return standard.least_margins(stage, robustness.survey(standard.over_tolerances(stage)), MARGINS)
+        return verdicts.least_margins(stage, verdicts.survey(stage))
 
-    return Task("margins", compute, (standard.least_margins, robustness.survey, stage))
+    return Task("margins", compute, (verdicts.least_margins, verdicts.survey, stage))
 
 
 def _margins(stage: Stage) -> str:

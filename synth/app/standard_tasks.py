@@ -192,7 +192,7 @@ def with_headroom(stage: Stage, run: Experiment) -> Experiment:
     A state that the stage lists as limited on purpose may reach it.
     """
     controller = compiled_controller(stage, np.float64)
-    return experiments.with_headroom(run, controller, stage.limited, stage.interface.constant_inputs)
+    return experiments.with_headroom(run, controller, stage.limited, stage.interface.constant_inputs(stage.plant))
 
 
 def replay_inputs(stage: Stage, controller: host.Controller) -> Mapping[str, Any]:

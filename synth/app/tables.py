@@ -99,7 +99,8 @@ def print_margins(design: str, closed: Sequence[ClosedLoop], loops: Survey | Non
     worst = sorted(loops.loops if loops else (), key=lambda of: (of.margins.stable, of.margins.modulus_margin))[:LOOPS]
     poles = [sections.poles_table(slowest)] if slowest else []
     _print_tables(console, design, [*poles, *([sections.margins_table("the least", worst)] if worst else [])])
-    print_checks(f"{design}: least margins", checks)
+    where = [f"{c.name}: {c.about}" for c in checks if c.about and c.passed]
+    print_checks(f"{design}: least margins", checks, notes=where)
 
 
 def print_study(design: str, study: StudyTable) -> None:

@@ -1,7 +1,7 @@
 """Candidates of a tuning: values of the free parameters of a law, and the goals that it reaches with them.
 
     r = worst value of the machines / its limit       overshoot, settling, tracking, current: whatever has a limit
-    r = required margin / least margin                of the nominal plant at the operating points
+    r = required margin / least margin                at the operating points, corners of the tolerances and cases
 
 A candidate reaches every goal where no r exceeds 1. Candidates run as variants of the declared controller
 (`host.vary`), without a compilation: with gains at run time one costs 0.1 to 5 s, with C of its own 3 to 60 s.
@@ -25,7 +25,6 @@ from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.sampling import Sampling
 from synth.simulate.study import StudyTable
-from synth.verify import standard
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +96,7 @@ def measure_goals(search: Search, stage: Stage, rig: Rig) -> tuple[Goal, ...]:
     sampling = Sampling(search.plan.plants, search.plan.seed)
     table = verdicts.with_limits(stage, study.run(rig, experiments, sampling, range(sampling.rows), search.integration))
     stage = _at_points(stage, search.tuning.points)
-    survey = robustness.survey(robustness.of_stage(stage)) if stage.operating_points else robustness.Survey((), ())
-    return (*experiment_goals(table, search.tuning.goals), *_margin_goals(stage, search.tuning, survey))
+    return (*experiment_goals(table, search.tuning.goals), *margin_goals(stage, search.tuning))
 
 
 def _at_points(stage: Stage, names: Sequence[str]) -> Stage:
@@ -134,8 +132,11 @@ def _worst(values: NDArray[np.float64] | None, failed: bool) -> float:
     return np.nan if failed or values is None else float(np.max(values))
 
 
-def _margin_goals(stage: Stage, tuning: Tuning, survey: robustness.Survey) -> tuple[Goal, ...]:
+def margin_goals(stage: Stage, tuning: Tuning) -> tuple[Goal, ...]:
+    """Return the least of each required margin over all that `verdicts.survey` opens, NaN for a stage without loops."""
     required = {**stage.require, **tuning.require}
-    least = standard.least_margins(stage, survey, required)
+    least = verdicts.least_margins(stage, verdicts.survey(stage)) if required else {}
     units = {name: each.unit for name, each in robustness.REQUIREMENTS.items()}
-    return tuple(Goal(name, units.get(name, "1"), least[name], limit, True) for name, limit in required.items())
+    return tuple(
+        Goal(name, units.get(name, "1"), least.get(name, np.nan), limit, True) for name, limit in required.items()
+    )

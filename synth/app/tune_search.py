@@ -16,17 +16,15 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse.loops import robustness
+from synth.app import verdicts
 from synth.app.tune_jobs import Search, measure_goals, with_values
 from synth.base import jobs
 from synth.base.jobs import Job
 from synth.base.progress import Counted, Display, Progress
 from synth.check import Check
-from synth.declare.stage import DISK, MARGINS
 from synth.declare.tuning import Candidate, Certificate, Tuned
 from synth.errors import DesignError
 from synth.execute import host
-from synth.verify import standard
 
 WEIGHTS = ((1.0, 1.0), (1.0, 0.5), (0.5, 1.0))  # of the experiments and of the margins
 RHO = 0.01  # weight of the mean of the ratios
@@ -167,7 +165,7 @@ def pareto_front(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
 def certify(of: Search, proposal: Candidate) -> Certificate:
     """Return the certificate of a proposal: its C with the proofs of the emission, goals and margins with this C.
 
-    The margins are the least at the operating points, for the nominal plant and at all limits of the tolerances.
+    The margins are the least at all operating points, corners of the tolerances and cases.
 
     Raises EmitError where the law cannot be proved, and otherwise as `host.compile_block`.
     """
@@ -177,9 +175,7 @@ def certify(of: Search, proposal: Candidate) -> Certificate:
     pairs = zip(proposal.goals, goals, strict=True)
     differing = sum(a.name != b.name or not np.array_equal(a.value, b.value, equal_nan=True) for a, b in pairs)
     checks = [Check("goals whose value differs under C of its own", differing, 0.0, "1", "the search runs variants")]
-    if not stage.operating_points:
-        return Certificate(goals, tuple(checks), {})
-    survey = robustness.survey(standard.over_tolerances(stage))
-    required = {name: least for name, least in {**stage.require, **of.tuning.require}.items() if name != DISK}
-    checks += robustness.checks(survey.loops, required, survey.unsolved)
-    return Certificate(goals, tuple(checks), standard.least_margins(stage, survey, MARGINS))
+    stage = replace(stage, require={**stage.require, **of.tuning.require})
+    survey = verdicts.survey(stage)
+    checks += [c for c in verdicts.margins(stage, survey) if np.isfinite(c.limit)]
+    return Certificate(goals, tuple(checks), verdicts.least_margins(stage, survey))

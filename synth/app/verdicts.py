@@ -22,7 +22,7 @@ import numpy as np
 from synth.analyse.loops import disk, robustness, stability_margins
 from synth.analyse.loops.robustness import Survey
 from synth.check import NO_LIMIT, Check
-from synth.declare.stage import DISK, Stage
+from synth.declare.stage import DISK, MARGINS, Stage
 from synth.errors import DesignError
 from synth.report import faults as faults_section
 from synth.report import first_screen
@@ -33,7 +33,7 @@ from synth.simulate import experiments
 from synth.simulate.experiments import Experiment
 from synth.simulate.faults import fault_table
 from synth.simulate.faults.fault_table import Campaign
-from synth.simulate.integration import LARGEST_ERROR
+from synth.simulate.integration import LARGEST_ERROR, TIGHT
 from synth.simulate.study import StudyTable, estimate_yield
 from synth.verify import standard
 from synth.verify.cost import SYNTH, Cost
@@ -113,6 +113,11 @@ def margins(stage: Stage, loops: Survey | None) -> list[Check]:
     ]
 
 
+def least_margins(stage: Stage, loops: Survey | None) -> dict[str, float]:
+    """Return the least of each of MARGINS as `margins` does; none for a stage without loops."""
+    return dict(zip(MARGINS, (c.value for c in margins(stage, loops)[1:]), strict=True)) if loops else {}
+
+
 def _disk_margin(loops: Survey, least: float) -> Check:
     """Return the least certified lower bound of the disk margin, with all actuators and sensors varied at once."""
     bounds = {place: disks[AT_ONCE].lower for place, disks in loops.disks.items()} if not loops.lost else {}
@@ -143,6 +148,11 @@ def study(stage: Stage, table: StudyTable | None) -> list[Check]:
     failed = [f"{experiment} on machine {row}: {reason}" for row, experiment, reason in _first_of_each(table)]
     share, n, error = estimate_yield(table), len(table.rows), table.integration.error
     steps = f"order {table.integration.order}, steps a sample: {table.integration.substeps}; in the first experiment"
+    if error > LARGEST_ERROR:
+        steps += (
+            f" {TIGHT} steps show it: leave a pole out of the plant that is faster than a sample, make friction or a "
+            "stop in its equations smooth, or give first an experiment whose loop settles, which magnifies no error"
+        )
     about = f"{int(table.passed.sum())} of {n} machines keep every limit; {share.low:.2%} to {share.high:.2%}"
     return [
         Check(INTEGRATION, error, LARGEST_ERROR if isfinite(error) else NO_LIMIT, "of a state's range", steps),

@@ -13,7 +13,8 @@ Conditions of an experiment are its initial state, time profiles of disturbances
 parameters. A run starts at the loop's equilibrium at the initial state, with the controller's states and currents that
 belong to it. Where this state is on a stop, in motion or outside the set-points' ranges, or the loop has no stable
 equilibrium there, and in all but the first three, the controller is switched on there, with the actuators at their safe
-values. `synth.simulate.experiments` runs them.
+values. The title says so of the first three, and where the equilibrium is not at the initial state, as under a law
+without integral action. `synth.simulate.experiments` runs them.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -72,7 +72,9 @@ class Auxiliary:
     """A controller input that is neither a reading nor a set-point: a payload, a feedforward, the number of a gain set.
 
     A law reads ``<name>_held``. A bad value never latches; `initial`, by default the value nearest to 0, stands in for
-    it, and for what an experiment or a margin does not give.
+    it, and for what an experiment or a margin does not give. With `of` the input tells the law the plant parameter of
+    this name: margins, experiments and machines of a study give it the value of their plant, unless a case or
+    conditions give the input itself.
     """
 
     name: str
@@ -81,6 +83,7 @@ class Auxiliary:
     high: float
     initial: float | None = None
     about: str = ""
+    of: str = ""
 
 
 @dataclass(frozen=True)
@@ -147,10 +150,13 @@ class Interface:
         declared = (*self.sensors, *self.references)
         return (*(self.signals[s.name] for s in declared), *((self.missed_calls,) if self.missed_calls else ()))
 
-    @property
-    def constant_inputs(self) -> dict[str, float]:
-        """Inputs where nothing gives them: the initial values of auxiliary ones, and 0 missed calls."""
-        values = {a.name: a.initial or 0.0 for a in self.auxiliaries}
+    def constant_inputs(self, plant: Plant) -> dict[str, float]:
+        """Return inputs where nothing gives them: auxiliary ones and 0 missed calls.
+
+        An auxiliary input has the value of the parameter that it tells, on this plant, or else its initial value.
+        """
+        parameters = {p.name: p.value for p in (*self.plant.parameters, *plant.parameters)}
+        values = {a.name: parameters[a.of] if a.of else a.initial or 0.0 for a in self.auxiliaries}
         return values | ({self.missed_calls.name: 0.0} if self.missed_calls else {})
 
     @property

@@ -63,7 +63,8 @@ class Tuning:
     experiments  patterns of the experiments' names that the search runs, all of them without patterns, except for those
                  with a further plant, such as effects make, which `synth study` runs
     goals        {"experiment: check or figure": largest value} in place of the study's or the check's limit
-    points       operating points at which the search computes margins, all of them without; the certificate has all
+    points       operating points at which the search computes margins, at all corners of the tolerances and in all
+                 cases; all of them without. The certificate has all
     require      least margins beyond those of the stage; `disk_margin` is that of all actuators and sensors at once
     """
 

@@ -179,13 +179,13 @@ def loops(survey: Survey | None) -> Section:
     worst: dict[str, robustness.OpenLoop] = {}
     for loop in sorted(survey.loops, key=lambda loop: loop.margin("modulus_margin")):
         worst.setdefault(loop.signal, loop)
-    shown = [loop for loop in survey.loops if not loop.case or loop is worst[loop.signal]]
+    shown = [loop for loop in survey.loops if loop.case == robustness.NOMINAL or loop is worst[loop.signal]]
     return standard.loops(shown, (page.Text(standard.OPENED), *map(page.Text, notes), *disks(survey)))
 
 
 def disks(survey: Survey) -> tuple[show.Table, ...]:
     """Return the table of the disk margins at the points of the nominal plant, and of all the least."""
-    nominal = {loop.point for loop in survey.loops if not loop.case}
+    nominal = {loop.point for loop in survey.loops if loop.case == robustness.NOMINAL}
     least = min(survey.disks, key=lambda place: survey.disks[place]["both"].lower, default="")
     shown = {place: each for place, each in survey.disks.items() if place in nominal or place == least}
     return (sections.disks(shown),) if shown else ()

@@ -226,7 +226,9 @@ def trajectory(
     """Return a trajectory, whose columns are read-only; `words` are those of the controller, with bits of a status."""
     faults, status = words & ~status_mask, words & status_mask
     time.flags.writeable = faults.flags.writeable = status.flags.writeable = False
-    return Trajectory(time=time, faults=faults, status=status, impacts=impacts, units=units, initial=initial, **groups)
+    return Trajectory(
+        time=time, faults=faults, status=status, impacts=impacts, units=units, initial=initial, begun="", **groups
+    )
 
 
 def column_units(plant: Plant, blocks: Sequence[host.Controller]) -> dict[str, str]:

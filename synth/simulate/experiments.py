@@ -125,6 +125,7 @@ def with_headroom(
 BAND = 0.02  # of a step: the usual 2 % of the settling time
 LEAST_TRAVEL = 0.5  # of a step, to its final value
 LEAST_SHARE, MOST_SHARE, SHARE_RESOLUTION = 1 / 64, 16.0, 0.05  # of the effects of an experiment
+AT_REST, SWITCHED_ON = "at the loop's equilibrium", "switched on"
 END = 0.1  # of a run: its last part, in which the final error is measured
 
 
@@ -319,21 +320,34 @@ def run(rig: Rig, experiments: Sequence[Any], progress: Callable[[str], None]) -
 def _trajectory(
     rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions, settled: bool = True
 ) -> Trajectory:
-    """Run from the loop's equilibrium; not `settled`, or where there is none to start at, switch the machine on."""
+    """Run from the loop's equilibrium; not `settled`, or where there is none to start at, switch the machine on.
+
+    `begun` of the trajectory says which, and where.
+    """
     time, interface = sample_times(duration_s, rig.period_s), rig.stage.interface
     profiles = conditions.profiles(interface, courses, time)
     forcing = conditions.forcing(rig.plant, interface.disturbances, under.disturbances, time)
     case = rig.stage.cases[under.case] if under.case else {}
-    inputs = {name: value for name, value in case.items() if name in interface.constant_inputs}
-    auxiliaries = conditions.auxiliaries(interface, {**inputs, **under.auxiliaries}, time)
+    inputs = {a.name: case[a.name] for a in interface.auxiliaries if a.name in case}
     parameters = {name: value for name, value in case.items() if name not in inputs} | dict(under.parameters)
     rig = replace(rig, plant=rig.plant.with_parameters(**parameters))
-    options: dict[str, Any] = {"start": under.start}
-    if settled and rig.may_rest(under.start):
-        options = rig.at_equilibrium(under.start, parameters | {n: float(v[0]) for n, v in auxiliaries.items()})
+    announced = {
+        a: rig.constant_inputs[a.name] for a in interface.auxiliaries if a.of and a.name in rig.constant_inputs
+    }
+    inputs = {a.name: value for a, value in announced.items()} | inputs
+    auxiliaries = conditions.auxiliaries(interface, {**inputs, **under.auxiliaries}, time)
+    options, begun = dict[str, Any](start=under.start), SWITCHED_ON
+    if settled and (reason := rig.unrest(under.start)):
+        begun = f"{SWITCHED_ON} {reason}"
+    elif settled:
+        known = parameters | {a.of: value for a, value in announced.items()}
+        options = rig.at_equilibrium(under.start, known | {n: float(v[0]) for n, v in auxiliaries.items()})
+        at_rest = AT_REST + rig.displacement(under.start, options["start"])
+        begun = at_rest if "state" in options else f"{SWITCHED_ON} where the loop has no stable equilibrium"
     references = rig.set_points_at(under.start) | profiles | auxiliaries
     rig = effects.with_effects(rig, under.effects) if under.effects else rig
-    return rig.run(duration_s, references=references, **{**options, "forcing": forcing, **under.options})
+    run = rig.run(duration_s, references=references, **{**options, "forcing": forcing, **under.options})
+    return replace(run, begun=begun)
 
 
 def _set_point(rig: Rig, name: str) -> Any:
@@ -392,5 +406,7 @@ def _experiment(
     driven = [s for s in interface.outputs if s.name in trajectory.commands]
     used = {f"largest |{s.name}|, {s.unit}": float(np.abs(trajectory.commands[s.name]).max()) for s in driven}
     about = f"the full plant, sensors as declared, {interface.delay} sample{'s' * (interface.delay != 1)} of delay"
-    measured = dict(figures) | used
+    measured, begun = dict(figures) | used, trajectory.begun
+    about += f"; starts {begun}"
+    title += f", starts {begun}" if begun not in (AT_REST, SWITCHED_ON) else ""
     return Experiment(name, title, about, trajectory, tuple(courses), dict(courses), measured, (*checks, faulty))

@@ -28,6 +28,7 @@ from synth.statespace import StateSpace
 Wires = Mapping[str, str | Mapping[str, float]]
 Values = tuple[tuple[str, float], ...]
 DITHER = 1e-4  # of the declared noise, of an ideal sensor
+RESTS_AT = 1e-6  # of a signal's range: a run that starts as near as this starts where it was asked to
 UNDAMPED = 1 - 1e-9  # |z| of an oscillator that does not decay
 
 
@@ -94,15 +95,14 @@ def _equilibrium(stage: Stage, start: Values, case: Values) -> tuple[dict[str, f
     There are none where it has no such equilibrium, to which no run would come. On a kink of the plant, where there are
     no poles, it counts as stable.
     """
-    loops = robustness.of_stage(replace(stage, operating_points={"start": dict(start)}))
+    point, of_case = {"start": dict(start)}, robustness.Case(dict(case))
+    loops = replace(robustness.of_stage(replace(stage, operating_points=point)), cases=(of_case,))
     try:
-        rest = robustness.equilibrium_at(loops, "start", dict(case))
+        rest = robustness.equilibrium_at(loops, "start", of_case)
     except ModelError:
         return ()
     with suppress(ModelError):
-        if _oscillates(rest.controller) or not all(
-            loop.is_stable for loop in robustness.closed_loops(replace(loops, cases=(dict(case),)))
-        ):
+        if _oscillates(rest.controller) or not all(loop.is_stable for loop in robustness.closed_loops(loops)):
             return ()
     block = rest.closed.controller
     at = [
@@ -253,18 +253,24 @@ class Rig:
             start[state] = sum(weight * fields["hold"].get(c, 0.0) for c, weight in weights.items())
         return Scenario(duration_s, start, **fields)
 
-    def may_rest(self, start: Mapping[str, float]) -> bool:
-        """Tell whether the loop may have an equilibrium at `start`: still, off its stops, with set-points in range.
+    def unrest(self, start: Mapping[str, float]) -> str:
+        """Return why the loop has no equilibrium at `start`, empty where it may have one.
 
-        A sensor that wraps shows its first turn there. A stage that opens its loops itself has a controller that no
-        sample leaves at rest.
+        It may where it is still, off its stops, with set-points in range and each sensor that wraps in its first turn.
+        A stage that opens its loops itself has a controller that no sample leaves at rest.
         """
         states, rates = {**self.stage.start, **start}, velocities(self.plant) | dict(self.stage.velocities)
         moves = any(states.get(v, 0.0) for v in rates.values())
         outputs, wrapping = self.plant.output_values(states), (s for s in self.stage.interface.sensors if s.wraps)
         turned = any(not 0 <= outputs[s.of][0] - (s.low or 0.0) < s.wraps for s in wrapping)
-        in_range = self._positions_at(start) == self.set_points_at(start)
-        return self.is_free(start) and in_range and not (moves or turned or self.stage.loops)
+        reasons = {
+            "on a stop": not self.is_free(start),
+            "in motion": moves,
+            "out of the range of a set-point": self._positions_at(start) != self.set_points_at(start),
+            "beyond the first turn of a sensor": turned,
+            "under a law that no sample leaves at rest": bool(self.stage.loops),
+        }
+        return next((reason for reason, holds in reasons.items() if holds), "")
 
     def is_free(self, start: Mapping[str, float]) -> bool:
         """Tell whether the machine is on no stop at `start`."""
@@ -295,6 +301,23 @@ class Rig:
             "state": {name: value for name, value in controller.items() if name in read},
             "hold": self.drive_commands(states, hold) if self.drive else hold,
         }
+
+    def displacement(self, asked: Mapping[str, float], start: Mapping[str, float]) -> str:
+        """Return as text the states and positions of a `start` that differ from what was asked for.
+
+        A difference counts from a sensor's resolution on, and from RESTS_AT of the range of the signal.
+        """
+        known = {s.name: s for s in (*self.plant.outputs, *self.plant.states)}
+        counts = {name: s.resolution for s in self.stage.interface.sensors for name in (s.name, s.of)}
+        positions = self.positions
+        places = [
+            {positions[name]: value for name, value in self._positions_at(at).items()}
+            | {name: value for name, value in at.items() if name in asked}
+            for at in (asked, start)
+        ]
+        least = {q: max(counts.get(q, 0.0), RESTS_AT * (known[q].high - known[q].low)) for q in places[0]}
+        moved = (q for q, value in places[0].items() if abs(places[1][q] - value) > least[q])
+        return "".join(f", {q} = {places[1][q]:.4g} {known[q].unit}" for q in moved)
 
     def _first_commands(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return the commands before the first sample: the safe values, through the drive at the initial position."""
@@ -348,7 +371,8 @@ class Rig:
     def constant_inputs(self) -> dict[str, float]:
         """Those of the interface that the controller reads: that of an experiment may be a variant."""
         read = self.controller.inputs.names or ()
-        return {name: value for name, value in self.stage.interface.constant_inputs.items() if name in read}
+        constants = self.stage.interface.constant_inputs(self.plant)
+        return {name: value for name, value in constants.items() if name in read}
 
     def _encoders(self) -> dict[str, Encoder]:
         encoders = {

@@ -218,7 +218,8 @@ class Trajectory:
     `driven` those of the Blocks of a drive, and `drive_faults` the fault words of each of these Blocks. `faults` are
     the fault words of the controller without the bits of a status, which `status` has. `initial` are states of the
     controller before the first sample that differ from those after `init`. `impacts` is the largest speed
-    of an impact on each stop. `units` has the unit of each column that is known.
+    of an impact on each stop. `units` has the unit of each column that is known. `begun` says where the run of an
+    experiment starts.
     """
 
     time: Array
@@ -234,6 +235,7 @@ class Trajectory:
     drive_faults: Mapping[str, NDArray[np.uint32]] = field(default_factory=dict)
     status: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
     initial: Mapping[str, float] = field(default_factory=dict)
+    begun: str = ""
 
     def sheet(self) -> show.Sheet:
         """Return the range of every column and the impacts."""
@@ -252,7 +254,8 @@ class Trajectory:
         stops = (f"impact on the stop of {q}: {show.number(v)}" for q, v in self.impacts.items() if v)
         title = f"Trajectory of {len(self.time)} samples up to {show.number(self.time[-1])} s"
         table = show.Table("", ("", "name", "least", "largest", "last"), tuple(rows))
-        return show.Sheet(title, (faults, *stops), (table,))
+        starts = (f"starts {self.begun}",) if self.begun else ()
+        return show.Sheet(title, (*starts, faults, *stops), (table,))
 
     def plot(self, names: Sequence[str] = ()) -> "Figure":
         """Return a figure of columns over time, one panel each; without `names` the first 12 of the outputs.

@@ -77,6 +77,12 @@ def _require_known_cases(stage: Stage) -> None:
                 raise SignalError(
                     f"case '{case}' has {name} = {value:g}, beyond its range of {low:g} .. {high:g}: choose one inside"
                 )
+        for a in stage.interface.auxiliaries:
+            if a.name not in values and not a.low <= (announced := values.get(a.of, a.low)) <= a.high:
+                raise SignalError(
+                    f"case '{case}' has {a.of} = {announced:g}, which the auxiliary input '{a.name}' of {a.low:g} .. "
+                    f"{a.high:g} cannot tell: give the input a wider range, or a value of '{a.name}' in the case"
+                )
     for experiment in stage.experiments:
         conditions = getattr(experiment, "conditions", None)
         if conditions is not None and conditions.case and conditions.case not in stage.cases:

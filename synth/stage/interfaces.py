@@ -44,8 +44,8 @@ def interface(
     Raises SignalError for a name that the plant does not have or that is declared twice, for a plant input without an
     actuator or a disturbance, for an actuator with a wider range than its plant input or a safe value outside its own,
     for a sensor with noise or a resolution that is negative or above COARSEST, or an error that is negative or not
-    finite, for `wraps` that is not positive or stands beside a `high`, and for a `delay` that is not a whole number
-    from 0.
+    finite, for `wraps` that is not positive or stands beside a `high`, for an auxiliary input of another unit than its
+    parameter or with a range that lacks the tolerance, and for a `delay` that is not a whole number from 0.
     """
     if not (isinstance(delay, int | np.integer) and delay >= 0):
         raise SignalError(f"the delay is {delay} samples: give a whole number from 0, at least the true delay")
@@ -58,6 +58,7 @@ def interface(
         _set_point(s, _pick(plant, "output or state", {**positions, **read}, s.of)) for s in set_points
     )
     done_actuators = tuple(_actuator(a, _pick(plant, "input", inputs, a.of or a.name)) for a in actuators)
+    done_auxiliaries = tuple(_auxiliary(a, plant) for a in auxiliaries)
     for name in disturbances:
         _pick(plant, "input", inputs, name)
     driven = [*(a.of for a in done_actuators), *disturbances]
@@ -66,14 +67,14 @@ def interface(
     signals = [
         *(_signal(s, outputs[s.of].unit) for s in done_sensors),
         *(_signal(s, {**positions, **read}[s.of].unit) for s in done_set_points),
-        *(_signal(a, a.unit) for a in auxiliaries),
+        *(_signal(a, a.unit) for a in done_auxiliaries),
         *(_signal(a, inputs[a.of].unit) for a in done_actuators),
     ]
     named = dict(zip(signal_names(signals), signals, strict=True))
     return Interface(
         plant, done_sensors, done_set_points, done_actuators, named, tuple(disturbances), delay, bad_samples,
         safe_output_effect, tuple(suspected), None if missed_calls is None else calls.signal(missed_calls),
-        braking, good_samples, tuple(replace(a, initial=_initial(a)) for a in auxiliaries),
+        braking, good_samples, done_auxiliaries,
     )  # fmt: skip
 
 
@@ -118,6 +119,19 @@ def _sensor(sensor: Sensor, of: Signal) -> Sensor:
 
 def _set_point(point: SetPoint, of: Signal) -> SetPoint:
     return replace(point, initial=_initial(point), about=point.about or f"set-point of {point.of}")
+
+
+def _auxiliary(auxiliary: Auxiliary, plant: Plant) -> Auxiliary:
+    if auxiliary.of:
+        p = plant.parameter(auxiliary.of)
+        least, most = sorted((p.at(-1.0), p.at(1.0)))
+        if auxiliary.unit != p.unit or not auxiliary.low <= least <= most <= auxiliary.high:
+            raise SignalError(
+                f"auxiliary input '{auxiliary.name}' may be {auxiliary.low:g} .. {auxiliary.high:g} {auxiliary.unit}, "
+                f"and the parameter '{p.name}' that it tells is {least:g} .. {most:g} {p.unit}: give it the unit of "
+                "the parameter, and a range that contains the tolerance"
+            )
+    return replace(auxiliary, initial=_initial(auxiliary), about=auxiliary.about or auxiliary.of)
 
 
 def _initial(declared: SetPoint | Auxiliary) -> float:

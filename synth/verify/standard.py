@@ -8,7 +8,7 @@ Single precision is compared with double in two ways: from the same bits in step
 and by the true path of the plant in closed loops with ideal sensors.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from synth.analyse.loops import robustness
 from synth.block import Block
 from synth.check import Check
-from synth.declare.stage import DISK, Stage
+from synth.declare.stage import Stage
 from synth.errors import DesignError
 from synth.execute import host
 from synth.simulate import experiments
@@ -129,24 +129,11 @@ def over_tolerances(stage: Stage) -> robustness.Loops:
 def varied_cases(stage: Stage) -> list[robustness.Case]:
     """Return the corners of the tolerances, then each declared case, alone and at the corners of the others."""
     varied = robustness.corners(stage.plant, stage.tolerances)
-    for case in stage.cases.values():
-        others = [name for name in stage.tolerances if name not in case]
-        varied += [{**case, **corner} for corner in ({}, *robustness.corners(stage.plant, others))]
+    for case, values in stage.cases.items():
+        others = [name for name in stage.tolerances if name not in values]
+        corners = robustness.NOMINAL, *robustness.corners(stage.plant, others)
+        varied += [robustness.Case({**values, **corner.values}, case) for corner in corners]
     return varied
-
-
-def least_margins(stage: Stage, survey: robustness.Survey, names: Iterable[str]) -> dict[str, float]:
-    """Return the least of each margin over the loops of a survey, 0 without an equilibrium.
-
-    The disk margin is that of the nominal plant at the operating points, its certified lower bound.
-    """
-    stable = not survey.unsolved and all(loop.margins.stable for loop in survey.loops)
-    margins = {n: min((loop.margin(n) for loop in survey.loops), default=0.0) for n in names if n != DISK}
-    if DISK in names:
-        nominal = robustness.of_stage(stage)
-        disks = [robustness.disk_margins(nominal, point)["both"].lower for point in nominal.points] if stable else [0.0]
-        margins[DISK] = min(disks)
-    return margins if not survey.unsolved else dict.fromkeys(margins, 0.0)
 
 
 def compare_companions(

@@ -233,6 +233,7 @@ def test_a_limit_of_the_study_takes_the_place_of_the_nominal_one() -> None:
     assert [c.passed for c in verdicts.study(stage, crashed)] == [True, False, False]
     coarse = replace(limited, integration=Integration(1, 1e-3))
     assert [c.passed for c in verdicts.study(stage, coarse)] == [False, True, True]
+    assert "or give first an experiment whose loop settles" in verdicts.study(stage, coarse)[0].about
     assert not verdicts.study(stage, None)[0].passed, "a declared yield needs a study"
     with pytest.raises(DesignError, match=r"for 'step_z_ref: stl\*', but its checks are step_z_ref: settles"):
         verdicts.with_limits(variant(study=StudyLimits(limits={"step_z_ref: stl*": 1.0})), table)

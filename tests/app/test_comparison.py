@@ -11,7 +11,7 @@ from synth.app import compare_command, comparison, workspace
 from synth.app.compare_command import CompareChoice
 from synth.base import jobs
 from synth.base.progress import Lines
-from synth.declare.stage import Stage
+from synth.declare.stage import MARGINS, Stage
 from synth.errors import DesignError
 from synth.report import comparison as report
 from synth.report import page
@@ -44,7 +44,7 @@ def test_two_laws_run_on_the_same_machines(laws: Path, capsys: pytest.CaptureFix
     settled, slow = ({s["name"]: s for s in side["summaries"]}["z_ref: settles"] for side in (first, second))
     assert settled["worst"] < 0.3 and settled["passed"] == 1 and slow["passed"] == 0
     assert first["yield"]["share"] == 1 and second["yield"]["share"] == 0
-    assert set(first["margins"]) == set(comparison.MARGINS)
+    assert set(first["margins"]) == set(MARGINS)
     assert second["margins"]["gain_reduction"] > first["margins"]["gain_reduction"] > 1  # less integral action
     text = file.read_text(encoding="utf-8")
     assert not page.external_addresses(text)

@@ -57,7 +57,8 @@ def test_a_loop_that_is_not_stable_is_reported_as_such() -> None:
 
 
 def test_a_point_without_an_equilibrium_is_named_in_the_report() -> None:
-    lost = robustness.Survey((), [robustness.Unsolved(n, {}, "'z' still changes") for n in ("low", "mid", "high")])
+    points = ("low", "mid", "high")
+    lost = robustness.Survey((), [robustness.Unsolved(n, robustness.NOMINAL, "'z' still changes") for n in points])
     loops = template.loops(lost)
     texts = [block.text for block in loops.blocks if isinstance(block, page.Text)]
     assert "No equilibrium of the loop was found at mid: 'z' still changes." in texts and not loops.sections
@@ -68,7 +69,7 @@ def test_of_the_corners_of_the_tolerances_the_worst_is_shown_beside_the_nominal_
     assert survey is not None and len(survey.loops) == 3 * len({loop.signal for loop in survey.loops})
     by_signal = {loop.signal: [other for other in survey.loops if other.signal == loop.signal] for loop in survey.loops}
     worst = [min(each, key=lambda loop: loop.margins.modulus_margin) for each in by_signal.values()]
-    corners = [loop for loop in worst if loop.case]
+    corners = [loop for loop in worst if loop.case.values]
     assert corners, "no corner is worse than the nominal plant"
     tables = [block for section in template.loops(survey).sections for block in section.blocks]
     labels = [str(row[0]) for table in tables if isinstance(table, show.Table) for row in table.rows]

@@ -7,6 +7,8 @@ A mass m with a payload on it is lifted by k i. Its law knows the payload by the
 so that it rests, with a load that is not the payload, at e = (payload - load) g / ((m + load) P).
 """
 
+import json
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,20 +17,27 @@ import numpy as np
 import pytest
 
 from synth import plant as plants
-from synth import stage
+from synth import show, stage
 from synth.analyse.loops import robustness
-from synth.app import standard_tasks, verdicts
+from synth.analyse.loops.robustness import Case
+from synth.app import standard_tasks, tables, tune_jobs, verdicts
+from synth.app.commands import Surveyed
 from synth.base.progress import silent
 from synth.block import Block, Exprs, State, Step, build
 from synth.declare.experiments import Conditions, Hold, LiftOff, Ramp, Sine, StepResponse, Track
 from synth.declare.stage import Stage
-from synth.errors import SignalError
+from synth.declare.tuning import Tuning
+from synth.errors import NoEquilibriumError, SignalError
 from synth.export import limits
+from synth.plant import Plant
 from synth.reference import guard
+from synth.report import template
 from synth.signals import Parameter, Signal
-from synth.simulate import experiments, sampling
+from synth.simulate import experiments, sampling, study
+from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.sampling import Method, Sampling
+from synth.simulate.study import StudyTable
 from synth.stage import Actuator, Auxiliary, Sensor, SetPoint, consistency
 from synth.timing import Discrete
 from synth.verify import standard
@@ -70,12 +79,18 @@ def reference(state: Any, inputs: Any) -> Any:
     return after | guard.frozen(state, {"lift_before": values["z"]}, latched) | last, out, word
 
 
-def carrier(**changed: Any) -> Stage:
+SENSORS = (Sensor("z", offset=2e-6),)
+
+
+def carrier(of: str = "", plant: Plant = PLANT, sensors: Sequence[Sensor] = SENSORS, **changed: Any) -> Stage:
     interface = stage.interface(
-        PLANT,
-        sensors=[Sensor("z", offset=2e-6)],
+        plant,
+        sensors=sensors,
         set_points=[SetPoint("z_ref", of="z", low=-5e-4, high=5e-4)],
-        auxiliaries=[Auxiliary("load", "kg", 0.0, 1.0, about="on the carrier"), Auxiliary("v_ff", "m/s", -0.1, 0.1)],
+        auxiliaries=[
+            Auxiliary("load", "kg", 0.0, 1.0, about="on the carrier", of=of),
+            Auxiliary("v_ff", "m/s", -0.1, 0.1),
+        ],
         actuators=[Actuator("i", safe=0.0, slew_per_s=100.0)],
         safe_output_effect="the carrier comes down",
     )
@@ -88,7 +103,7 @@ def carrier(**changed: Any) -> Stage:
         "coordinates": {},
     }
     controller = stage.controller("carrier", Discrete(T), interface, [law(interface)])
-    return stage.design(controller, PLANT, **(fields | changed))
+    return stage.design(controller, plant, **(fields | changed))
 
 
 STAGE = carrier()
@@ -101,7 +116,7 @@ def rig() -> Rig:
 
 def test_an_auxiliary_input_needs_no_coordinate_and_stands_between_set_points_and_actuators() -> None:
     assert [s.name for s in STAGE.interface.inputs] == list(LIMITS)
-    assert STAGE.interface.constant_inputs == {"load": 0.0, "v_ff": 0.0}
+    assert STAGE.interface.constant_inputs(PLANT) == {"load": 0.0, "v_ff": 0.0}
     assert carrier(coordinates={"z": {"z": 1.0}}).coordinates
 
 
@@ -125,22 +140,49 @@ def test_the_law_is_proved_equal_with_its_auxiliary_inputs() -> None:
 def test_margins_are_taken_in_every_case_at_the_corners_of_what_it_leaves_open() -> None:
     survey = verdicts.survey(STAGE)
     assert survey is not None and not survey.unsolved
-    cases = [dict(case) for case in dict.fromkeys(tuple(loop.case.items()) for loop in survey.loops)]
+    cases = [loop.case for loop in survey.loops if loop.signal == "i"]
     ends = {"m": 1.9}, {"m": 2.1}
-    expected = [{}, *ends, *({**case, **end} for case in CASES.values() for end in ({}, *ends))]
-    assert cases == [{k: pytest.approx(v) for k, v in each.items()} for each in expected]
-    assert "payload = 1, load = 1, m = 1.9" in next(loop.label for loop in survey.loops if loop.case == cases[4])
+    declared = [(name, {**case, **end}) for name, case in CASES.items() for end in ({}, *ends)]
+    expected = [("", {}), *(("", end) for end in ends), *declared]
+    assert [c.name for c in cases] == [name for name, _ in expected]
+    assert [c.values for c in cases] == [{k: pytest.approx(v) for k, v in values.items()} for _, values in expected]
     # The crossover is in proportion to (m + load) / (m + payload): of 2.0, and of 2.0 / 2.2 where it is unannounced.
-    gains = {str(loop.case): loop.margins.gain_margin for loop in survey.loops if loop.signal == "i"}
-    assert gains[str({"payload": 1.0, "load": 1.0})] == pytest.approx(gains["{}"], rel=1e-9)
-    assert gains[str({"payload": 0.2})] == pytest.approx(gains["{}"] * 1.1, rel=1e-9)
+    gains = {loop.case.text: loop.margins.gain_margin for loop in survey.loops if loop.signal == "i"}
+    assert gains[", loaded, payload = 1, load = 1"] == pytest.approx(gains[""], rel=1e-9)
+    assert gains[", unannounced, payload = 0.2"] == pytest.approx(gains[""] * 1.1, rel=1e-9)
+
+
+def test_the_case_of_the_least_margin_is_named_and_tuning_judges_by_it(capsys: pytest.CaptureFixture[str]) -> None:
+    """A load that is announced and not there raises the crossover by (m + load) / m = 1.5."""
+    light = carrier(cases={"light": {"load": 1.0}}, tolerances=[], require={"gain_margin": 1.0})
+    survey, closed = verdicts.survey(light), verdicts.closed_loops(light)
+    assert survey is not None
+    nominal, least = (loop.margins.gain_margin for loop in survey.loops if loop.signal == "i")
+    checks = verdicts.margins(light, survey)
+    surveyed = Surveyed(light.name, closed, survey, checks)
+    tables.print_margins(light.name, closed, survey, checks)
+    text, labels = capsys.readouterr().out, [str(row[0]) for t in _tables(template.loops(survey)) for row in t.rows]
+    assert "gain margin: the least of 4 loops, at i, middle, light, load = 1" in text
+    assert "middle, light, load = 1" in labels and "middle, light, load = 1" in [c.place for c in closed]
+    assert "at i, middle, light, load = 1" in json.dumps(surveyed.document()["checks"])
+    tuning = Tuning((), lambda values: light.controller, require={"disk_margin": 0.1})
+    goals = {goal.name: goal for goal in tune_jobs.margin_goals(light, tuning)}
+    assert goals["gain_margin"].value == least == pytest.approx(nominal / 1.5, rel=1e-9)
+    assert goals["disk_margin"].value == min(each["both"].lower for each in survey.disks.values())
+    lost = replace(light, cases={"heavy": {"payload": 1.0}})  # sags by 1.2 mm, beyond the sensor: no equilibrium
+    assert [goal.value for goal in tune_jobs.margin_goals(lost, tuning)] == [1.0, 0.0]
+
+
+def _tables(section: Any) -> list[show.Table]:
+    blocks = [block for each in (section, *section.sections) for block in each.blocks]
+    return [block for block in blocks if isinstance(block, show.Table)]
 
 
 @pytest.mark.parametrize(
     ("case", "e"), [({}, 0.0), (CASES["loaded"], 0.0), (CASES["unannounced"], 0.2 * G / (2.0 * P))]
 )
 def test_the_loop_rests_where_the_equations_say(case: dict[str, float], e: float) -> None:
-    rest = robustness.equilibrium_at(robustness.of_stage(STAGE), "middle", case)
+    rest = robustness.equilibrium_at(robustness.of_stage(STAGE), "middle", Case(case))
     assert rest.point["i"] == pytest.approx((M + case.get("payload", 0.0)) * G / K, rel=1e-9)
     assert rest.point["z"] == pytest.approx(-e, abs=1e-9)
 
@@ -160,10 +202,14 @@ def test_a_run_starts_at_rest_with_its_current(rig: Rig, case: str) -> None:
 
 def test_a_run_from_a_stop_or_from_beyond_the_set_points_is_switched_on_there(rig: Rig) -> None:
     for start, begun in ((-1e-3, True), (-8e-4, True), (-5e-4, False)):
-        run = experiments.result(Hold({"z_ref": 1.0}, 0.2, 0.1, Conditions(start={"z": start})), rig).trajectory
+        held = experiments.result(Hold({"z_ref": 1.0}, 0.2, 0.1, Conditions(start={"z": start})), rig)
+        run, where = held.trajectory, "on a stop" if start == -1e-3 else "out of the range of a set-point"
+        assert held.title == f"z held, z = {start:g}" + (f", starts switched on {where}" if begun else "")
         assert (run.applied["i"][0] == 0.0) == begun == (not run.initial)
     lift = LiftOff({"z_ref": 4e-4}, 0.1, 0.1, 1e-5, Conditions(start={"z": 0.0}))
-    assert experiments.result(lift, rig).trajectory.applied["i"][0] == 0.0
+    lifted = experiments.result(lift, rig)
+    assert lifted.trajectory.applied["i"][0] == 0.0 and lifted.title == "Start, z = 0"
+    assert lifted.about.endswith("; starts switched on")
 
 
 def single(step: Any, states: list[State], physics: Any = None, **limits: Any) -> Rig:
@@ -226,7 +272,11 @@ LAWS: dict[str, tuple[bool, Any, list[State]]] = {
 def test_a_law_that_would_not_stay_at_rest_is_switched_on(law: str) -> None:
     """A run that started at an equilibrium to which none leads would show neither an instability nor an oscillator."""
     rests, step, states = LAWS[law]
-    run = experiments.result(Hold({"r": 1.0}, 0.3, 0.1), single(step, states)).trajectory
+    held = experiments.result(Hold({"r": 1.0}, 0.3, 0.1), single(step, states))
+    run, switched_on = held.trajectory, "switched on where the loop has no stable equilibrium"
+    assert held.about.endswith(f"; starts {run.begun}") and (law != "rests" or held.title == "x held")
+    assert run.begun.startswith("at the loop's equilibrium" if rests else switched_on)
+    assert rests or held.title == f"x held, starts {switched_on}"
     assert bool(run.initial) == rests and (run.applied["i"][0] == 0.0) == (not rests)
     assert rests or np.ptp(run["x"]) > 4e-6  # falls by g T^2 / 2
     if law in ("with a dither", "with a sine"):
@@ -238,14 +288,17 @@ def test_a_loop_that_would_rest_beyond_a_stop_is_switched_on() -> None:
     run = experiments.result(Hold({"r": 1.0}, 0.3, 0.1), sagging).trajectory  # by g / P = 2.45 mm
     assert not run.initial and run["x"][0] == 0.0 and run["x"][-1] == -2e-3
     free = single(lambda y, r, v, x: (4e3 * (r - y) - 80 * v, {}), [], stops={"x": (-3e-3, 3e-3)})
-    run = experiments.result(Hold({"r": 1.0}, 0.3, 0.1), free).trajectory
+    held = experiments.result(Hold({"r": 1.0}, 0.3, 0.1), free)
+    run = held.trajectory
+    assert held.title == "x held, starts at the loop's equilibrium, x = -0.002453 m"  # -g / P
+    assert "starts at the loop's equilibrium, x = -0.002453 m" in run.sheet().lines
     assert run["x"][0] == pytest.approx(-G / 4e3) and np.ptp(run["x"]) < 1e-8
 
 
 def test_a_sensor_that_wraps_shows_its_first_turn_at_rest(rig: Rig) -> None:
     wrapping = rig.with_interface(sensors=(Sensor("z", of="z", wraps=2e-4, low=-1e-4, high=1e-4),))
     starts = {0.0: True, 9e-5: True, -1e-4: True, 1.1e-4: False, -1.1e-4: False, 3e-4: False}
-    assert {z: wrapping.may_rest({"z": z}) for z in starts} == starts
+    assert {z: not wrapping.unrest({"z": z}) for z in starts} == starts
 
 
 def test_a_feedforward_is_a_course_of_an_auxiliary_input(rig: Rig) -> None:
@@ -260,7 +313,8 @@ def test_a_feedforward_is_a_course_of_an_auxiliary_input(rig: Rig) -> None:
     mean = 2 / np.pi * 2e-4
     assert plain_error == pytest.approx(mean * abs((s * s + D * s) / (s * s + D * s + P)), rel=0.1)
     assert error < 1.2 * mean * abs(s * s / (s * s + D * s + P)) < plain_error
-    assert forward.title == "Tracking of z, v_ff acts"
+    rests = "starts at the loop's equilibrium, z = 0.00042 m"  # D v_ff / P, of the v_ff at the start
+    assert forward.title == f"Tracking of z, v_ff acts, {rests}" and plain.title == "Tracking of z"
 
 
 def test_the_error_of_a_gauge_is_no_overshoot_to_the_final_value(rig: Rig) -> None:
@@ -307,7 +361,81 @@ def test_machines_are_drawn_between_the_ends_of_a_payload(rig: Rig) -> None:
         assert ends is None or set(drawn[1:]) == ends
     lopsided = Parameter("p", 1.0, "kg", (0.5, 3.0), "here")
     assert [lopsided.at(z) for z in (-1.2, -1, -0.5, 0, 0.5, 1, 1.2)] == [0.5, 0.5, 0.75, 1, 2, 3, 3]
-    assert robustness.corners(PLANT, ["payload"]) == [{"payload": 0.0}, {"payload": 1.0}]
+    assert robustness.corners(PLANT, ["payload"]) == [Case({"payload": 0.0}), Case({"payload": 1.0})]
+
+
+@pytest.fixture(scope="module")
+def announcing() -> Rig:
+    """The carrier whose input `load` tells the law the payload."""
+    declared = carrier("payload", cases={"loaded": {"payload": 1.0}, "unannounced": {"payload": 1.0, "load": 0.0}})
+    return Rig(declared, PLANT, standard_tasks.compiled_controller(declared, np.float32))
+
+
+def studied(rig: Rig, *experiments: Any) -> StudyTable:
+    return study.run(rig, experiments, Sampling(9, method=Method.CORNERS), range(9), Integration(4, 0.0, 4))
+
+
+def test_the_machines_of_a_study_tell_their_payload(rig: Rig, announcing: Rig) -> None:
+    """Planted: without `of` every payload is drawn behind the law's back, which sags by g payload / (m P)."""
+    without_offset = (each.with_interface(sensors=(Sensor("z", "z"),)) for each in (rig, announcing))
+    without, table = (studied(each, Hold({"z_ref": 2e-4}, 0.2, 0.1)) for each in without_offset)
+    loaded = table.z["payload"] > 0
+    assert loaded.any() and not loaded.all() and not table.errors and not without.errors
+    assert (without.passed == ~loaded).all()
+    # z rests at -(true - announced mass) g / (announced P), which an announced payload leaves to the tolerance of m alone
+    rests = 0.05 * np.abs(table.z["m"]) * M * G / ((M + loaded) * P)
+    np.testing.assert_allclose(table.checks["hold_z_ref: largest |e_z|"], rests, rtol=0.02, atol=1e-9)
+    assert study.estimate_yield(table).share == 1.0
+
+
+def test_a_case_and_conditions_may_give_another_value_than_the_parameter(announcing: Rig) -> None:
+    for conditions, payload, load in (
+        (Conditions(case="loaded"), 1.0, 1.0),
+        (Conditions(case="unannounced"), 1.0, 0.0),
+        (Conditions(parameters={"payload": 0.4}), 0.4, 0.4),
+        (Conditions(parameters={"payload": 0.4}, auxiliaries={"load": 0.3}), 0.4, 0.3),
+    ):
+        run = experiments.result(Hold({"z_ref": 1.0}, 0.2, 0.1, conditions), announcing).trajectory
+        sag = (payload - load) * G / ((M + load) * P)
+        assert (run.measured["load"] == np.float32(load)).all() and run["z"][-1] == pytest.approx(
+            max(-sag, -1e-3), abs=1e-7
+        )
+        assert sag > 1e-3 or (np.ptp(run["z"]) < 1e-8 and run.applied["i"][0] == pytest.approx((M + payload) * G / K))
+
+
+def test_margins_tell_the_payload_at_the_ends_of_its_tolerance() -> None:
+    survey = verdicts.survey(
+        carrier("payload", cases={"unannounced": {"payload": 0.2, "load": 0.0}}, tolerances=["payload"])
+    )
+    assert survey is not None and not survey.unsolved
+    gains = {loop.case.text: loop.margins.gain_margin for loop in survey.loops if loop.signal == "i"}
+    same = [gains[text] for text in ("", ", payload = 0", ", payload = 1")]
+    np.testing.assert_allclose(same, same[0], rtol=1e-9)
+    assert gains[", unannounced, payload = 0.2, load = 0"] == pytest.approx(1.1 * same[0], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("auxiliary", "message"),
+    [
+        (
+            Auxiliary("load", "kg", 0.0, 0.5, of="payload"),
+            "'load' may be 0 .. 0.5 kg, and the parameter 'payload' that",
+        ),
+        (Auxiliary("load", "g", 0.0, 1000.0, of="payload"), "0 .. 1000 g, .* is 0 .. 1 kg: give it the unit of"),
+        (Auxiliary("load", "kg", 0.0, 1.0, of="mass"), "no parameter 'mass'"),
+    ],
+)
+def test_an_auxiliary_input_that_cannot_tell_its_parameter_is_refused(auxiliary: Auxiliary, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        stage.interface(PLANT, sensors=[Sensor("z")], actuators=[Actuator("i", 0.0, 1.0)], auxiliaries=[auxiliary])
+
+
+def test_a_case_beyond_what_its_input_can_tell_is_refused() -> None:
+    light = Parameter("payload", 0.5, "kg", 0.1, "of the user")
+    plant = replace(PLANT, parameters=(PLANT.parameters[0], light))
+    with pytest.raises(SignalError, match=r"case 'full' has payload = 2, which the auxiliary input 'load' of 0 .. 1"):
+        carrier("payload", plant, cases={"full": {"payload": 2.0}})
+    assert carrier("payload", plant, cases={"full": {"payload": 2.0, "load": 1.0}}).cases
 
 
 @pytest.mark.parametrize(
@@ -348,6 +476,30 @@ def test_a_case_that_does_not_fit_is_refused_where_it_is_declared(changed: dict[
         carrier(**changed)
 
 
+def test_a_sensor_that_is_out_of_range_at_rest_is_named_with_its_reading() -> None:
+    """It sags by g payload / (M P) = 1.23 mm, beyond its sensor; and a second sensor shows 3 z, beyond its range."""
+    sags = carrier(cases={"heavy": {"payload": 1.0}}, tolerances=[])
+    message = r"would balance where sensor 'z' reads -0\.00122625 of -0\.001 .. 0\.001 m, .*give the sensor a range"
+    with pytest.raises(NoEquilibriumError, match=message):
+        robustness.equilibrium_at(robustness.of_stage(sags), "middle", Case(sags.cases["heavy"]))
+    tripled = Signal("y", "m", -3e-3, 3e-3)
+    plant = plants.build(
+        "carrier", list(PLANT.states), list(PLANT.inputs), [*PLANT.outputs, tripled], list(PLANT.parameters),
+        lambda x, u, p: (
+            {"z": x["v"], "v": K * u["i"] / (p["m"] + p["payload"]) - G}, {"z": x["z"], "y": 3 * x["z"]}
+        ),
+    )  # fmt: skip
+    for high, reads in ((1.2e-3, False), (1.21e-3, True)):
+        sensors = (Sensor("z"), Sensor("far", of="y", low=-1e-3, high=high))
+        stage_ = carrier(plant=plant, sensors=sensors, operating_points={"up": {"z": 4.02e-4}}, cases={})
+        loops = robustness.of_stage(stage_)
+        if reads:
+            assert robustness.equilibrium_at(loops, "up").inputs["far"] == pytest.approx(1.206e-3)
+        else:
+            with pytest.raises(NoEquilibriumError, match=r"sensor 'far' reads 0\.001206 of -0\.001 .. 0\.0012 m"):
+                robustness.equilibrium_at(loops, "up")
+
+
 def test_an_auxiliary_input_with_the_name_of_a_parameter_is_refused() -> None:
     for name in ("payload", "m"):
         interface = replace(STAGE.interface, auxiliaries=(Auxiliary(name, "kg", 0.0, 1.0, 0.0),))
@@ -358,7 +510,9 @@ def test_an_auxiliary_input_with_the_name_of_a_parameter_is_refused() -> None:
 
 @pytest.mark.parametrize("start", [{"v": 0.01}, {"v": -1e-3, "z": 2e-4}, {"z": 9e-4}])
 def test_a_run_that_begins_in_motion_or_out_of_reach_is_switched_on_there(rig: Rig, start: dict[str, float]) -> None:
-    run = experiments.result(Hold({"z_ref": 1.0}, 0.1, 0.05, Conditions(start=start)), rig).trajectory
+    held = experiments.result(Hold({"z_ref": 1.0}, 0.1, 0.05, Conditions(start=start)), rig)
+    run, where = held.trajectory, "in motion" if "v" in start else "out of the range of a set-point"
+    assert held.title.endswith(f", starts switched on {where}")
     assert not run.initial and run.applied["i"][0] == 0.0
     assert {name: run[name][0] for name in start} == start
 
@@ -373,7 +527,7 @@ def test_a_position_that_is_an_output_may_be_out_of_reach(rig: Rig) -> None:
     sensors, points = (Sensor("z", of="y", low=-1e-3, high=1e-3),), (SetPoint("z_ref", of="y", low=-5e-4, high=5e-4),)
     read = replace(rig, plant=plant).with_interface(plant=plant, sensors=sensors, set_points=points)
     read = replace(read, stage=replace(read.stage, plant=plant))
-    assert [read.may_rest({"z": z}) for z in (0.0, 2e-4, 2.5e-4, 2.6e-4, -4e-4)] == [True, True, True, False, False]
+    assert [not read.unrest({"z": z}) for z in (0.0, 2e-4, 2.5e-4, 2.6e-4, -4e-4)] == [True, True, True, False, False]
 
 
 @pytest.mark.parametrize(

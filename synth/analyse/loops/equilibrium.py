@@ -291,6 +291,7 @@ def solve(closed: SampledLoop, references: Mapping[str, float], near: OperatingP
     _check(closed, references, near)
     equations = of_loop(closed, references, near)
     least: Trial | None = None
+    balanced = [(near.x, near.u)]  # where the plant balances: its trim, and under the commands of the law
     refused: list[Equilibrium] = []
     for start in starting_points(equations, closed, near):
         trial = rest_from(equations, start)
@@ -299,6 +300,8 @@ def solve(closed: SampledLoop, references: Mapping[str, float], near: OperatingP
             if not (_raised_faults(rest) or _commands_at_limit(rest) or rest.point.outside):
                 return rest
             refused.append(rest)
+        if np.abs(trial.residual[: len(trial.x) + len(equations.actuated)]).max(initial=0.0) <= TOLERANCE:
+            balanced.append((trial.x, trial.u))
         least = trial if least is None or trial.size < least.size else least
     without_fault = [rest for rest in refused if not _raised_faults(rest)]
     for rest in without_fault:
@@ -306,6 +309,9 @@ def solve(closed: SampledLoop, references: Mapping[str, float], near: OperatingP
             return rest
     if without_fault:
         raise _at_limit(without_fault[0])
+    for x, u in balanced[:2]:
+        if beyond := _beyond_range(closed, near, x, u):
+            raise NoEquilibriumError(beyond)
     raise _at_fault(refused[0]) if refused else _no_rest(closed, equations, least)
 
 
@@ -387,6 +393,26 @@ def _at_fault(rest: Equilibrium) -> NoEquilibriumError:
     return NoEquilibriumError(
         f"the controller '{block.name}' raises {', '.join(_raised_faults(rest))} at rest, with inputs {inputs}: rest "
         f"within the declared ranges{', ' * bool(ranges)}{', '.join(ranges)}"
+    )
+
+
+def _beyond_range(closed: SampledLoop, near: OperatingPoint, x: Array, u: Array) -> str:
+    """Return why the loop does not rest at a state of the plant whose readings are beyond the sensors' ranges."""
+    plant = closed.plant
+    outputs = dict(zip(signal_names(plant.outputs), np.asarray(plant.h(x, u, near.p)).ravel().tolist(), strict=True))
+    ranges = {s.name: s for s in closed.controller.inputs}
+    readings = [
+        f"'{name}' reads {y:.6g} of {s.low:g} .. {s.high:g} {s.unit}"
+        for name, output in closed.sensors.items()
+        for s, y in [(ranges[name], outputs[output])]
+        if not -TOLERANCE <= (y - s.low) / (s.high - s.low) <= 1 + TOLERANCE
+    ]
+    if not readings:
+        return ""
+    return (
+        f"the loop of plant '{plant.name}' under '{closed.controller.name}' would balance where sensor "
+        f"{', '.join(readings)}, which the guard refuses: give the sensor a range that contains it, or choose a point "
+        "inside, or a law that leaves less of an error there"
     )
 
 

@@ -33,7 +33,19 @@ from synth.timing import Discrete, period
 
 MAX_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
 
-Case = Mapping[str, float]  # values of parameters that differ from the nominal ones, and of auxiliary inputs
+
+@dataclass(frozen=True)
+class Case:
+    """Values of parameters that differ from the nominal ones, and of auxiliary inputs; `name` of a declared case."""
+
+    values: Mapping[str, float] = field(default_factory=dict)
+    name: str = ""
+
+    @property
+    def text(self) -> str:
+        """The name and the values as text, each after a comma; empty for the nominal plant."""
+        parts = (*filter(None, (self.name,)), *(f"{name} = {value:.5g}" for name, value in self.values.items()))
+        return "".join(f", {part}" for part in parts)
 
 
 @arguments.checked
@@ -47,7 +59,7 @@ def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
         raise SignalError(
             f"{len(ends)} parameters have 2^{len(ends)} corners, at most {MAX_CORNERS} are allowed: name fewer"
         )
-    return [dict(zip(parameters, values, strict=True)) for values in itertools.product(*ends)] if ends else []
+    return [Case(dict(zip(parameters, values, strict=True))) for values in itertools.product(*ends)] if ends else []
 
 
 def _ends(plant: Plant, name: str) -> tuple[float, float]:
@@ -60,7 +72,7 @@ def _ends(plant: Plant, name: str) -> tuple[float, float]:
     return p.at(-1.0), p.at(1.0)
 
 
-NOMINAL: Case = {}
+NOMINAL = Case()
 DEAD_BEAT = 1e-6  # of |z|: a smaller pole is a delay
 
 Groups = Mapping[str, Sequence[str]]  # signals that vary at once, by name of the group
@@ -98,8 +110,8 @@ class OpenLoop:
 
     @property
     def label(self) -> str:
-        """The signal, the operating point and the changed parameters, as text."""
-        return f"at {self.signal}, {self.point}{_case_text(self.case)}"
+        """The signal, the operating point and the case, as text."""
+        return f"at {self.signal}, {self.point}{self.case.text}"
 
     def margin(self, name: str) -> float:
         """Return one of REQUIREMENTS; an unstable loop has no margin left."""
@@ -117,8 +129,8 @@ class Unsolved:
 
     @property
     def label(self) -> str:
-        """The operating point and the changed parameters, as text."""
-        return f"at {self.point}{_case_text(self.case)}"
+        """The operating point and the case, as text."""
+        return f"at {self.point}{self.case.text}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +187,7 @@ class ClosedLoop:
 class Survey:
     """The loops at all operating points and cases, and those points and cases that have no equilibrium.
 
-    `disks` has the disk margins where all loops are stable, by point with changed parameters, then by the name of the
+    `disks` has the disk margins where all loops are stable, by point and case, then by the name of the
     group of signals that vary at once.
     """
 
@@ -188,11 +200,6 @@ class Survey:
         """The points without an equilibrium and the loops that are not stable: they have no margins."""
         unstable = [loop.label for loop in self.loops if not loop.margins.stable]
         return [*(f"{u.label}: {u.reason}" for u in self.unsolved), *unstable]
-
-
-def _case_text(case: Case) -> str:
-    """Return the changed parameters as text."""
-    return "".join(f", {name} = {value:.5g}" for name, value in case.items())
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,18 +289,20 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
     """
     if point not in loops.points:
         raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
-    closed, constants = loops.closed, loops.interface.constant_inputs
-    plant = closed.plant.with_parameters(**{name: value for name, value in case.items() if name not in constants})
+    closed, auxiliaries = loops.closed, [a.name for a in loops.interface.auxiliaries]
+    parameters = {name: value for name, value in case.values.items() if name not in auxiliaries}
+    plant = closed.plant.with_parameters(**parameters)
     try:
         trimmed = operating_points.trim_with_free_states(plant, dict(loops.points[point]), list(loops.actuators))
     except ModelError as error:
-        raise ModelError(f"operating point '{point}'{_case_text(case)}: {error}") from error
+        raise ModelError(f"operating point '{point}'{case.text}: {error}") from error
     outputs = np.asarray(plant.h(trimmed.x, trimmed.u, trimmed.p)).ravel().tolist()
     values = dict(zip(trimmed.states, trimmed.x.tolist(), strict=True))
     values |= zip(signal_names(plant.outputs), outputs, strict=True)
     values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
-    references |= {name: case.get(name, value) for name, value in constants.items()}
+    constants = loops.interface.constant_inputs(plant)
+    references |= {name: case.values.get(name, value) for name, value in constants.items()}
     return equilibrium.solve(replace(closed, plant=plant), references, trimmed)
 
 
@@ -305,7 +314,7 @@ def closed_loops(loops: Loops) -> list[ClosedLoop]:
     """
     closed = []
     for point, case in itertools.product(loops.points, loops.cases):
-        label, period_s = f"{point}{_case_text(case)}", period(loops.closed.controller.time)
+        label, period_s = f"{point}{case.text}", period(loops.closed.controller.time)
         try:
             L = equilibrium.open_loop(equilibrium_at(loops, point, case), list(loops.actuators))
         except NoEquilibriumError as error:
@@ -360,7 +369,7 @@ def survey(loops: Loops, at_once: Groups = MappingProxyType({})) -> Survey:
             here = [_open(point, case, signal, at_rest) for signal in loops.signals]
             opened += here
             if at_once and all(loop.margins.stable for loop in here):
-                disks[f"{point}{_case_text(case)}"] = _disks(at_rest, at_once)
+                disks[f"{point}{case.text}"] = _disks(at_rest, at_once)
     return Survey(opened, unsolved, disks)
 
 

@@ -202,12 +202,28 @@ def _checks(
         return [_check(limit, table, healthy, units) for limit in UNLIMITED[: 3 if table else 2]]
     checks = [_check(limit, table, healthy, units) for limit in limits]
     harmless = sum(not without.harms for without, _ in pairs)
-    checks.append(Check(CONTROL, float(harmless), len(pairs) - 1.0, "1", "the negative control"))
+    about = "the negative control"
+    if harmless == len(pairs):
+        about += (
+            f": none of {len(pairs)} runs that latch hits a stop without the latch; declare the `stops` that it "
+            "guards, or larger or longer faults in `FaultCampaign`"
+        )
+    checks.append(Check(CONTROL, float(harmless), len(pairs) - 1.0, "1", about))
     without_latch = rows([without for without, _ in pairs])
     controlled = [l for l in limits if l.measure != FALSE_ALARMS and matching(l, without_latch)]
     if controlled:
-        passed = sum(_check(limit, without_latch, (), units).passed for limit in controlled)
-        checks.append(Check(CONTROL_LIMITS, float(passed), len(controlled) - 1.0, "1", "the negative control"))
+        without = [_check(limit, without_latch, (), units) for limit in controlled]
+        passed = sum(c.passed for c in without)
+        about = "the negative control"
+        if passed == len(controlled):
+            k = max(range(passed), key=lambda k: without[k].value / (without[k].limit or 1.0))
+            worst, latched = without[k], _check(controlled[k], table, (), units)
+            about += (
+                f": no limit needs the latch; '{worst.name}' allows {worst.limit:g} {worst.unit}, and reaches "
+                f"{worst.value:.4g} without the latch and {latched.value:.4g} with it: give a limit between these, or "
+                "faults that a latch is for"
+            )
+        checks.append(Check(CONTROL_LIMITS, float(passed), len(controlled) - 1.0, "1", about))
     return checks
 
 

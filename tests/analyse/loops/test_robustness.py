@@ -7,7 +7,7 @@ import pytest
 
 from synth.analyse import operating_points
 from synth.analyse.loops import disk, equilibrium, loop, robustness, stability_margins, transfer
-from synth.analyse.loops.robustness import Loops
+from synth.analyse.loops.robustness import Case, Loops
 from synth.declare.stage import DISK, MARGINS
 from synth.errors import NoEquilibriumError, SignalError
 from tests import levitator
@@ -67,12 +67,12 @@ def test_the_worst_loop_is_named_with_its_parameters() -> None:
     (check,) = robustness.checks(open_loops, {"modulus_margin": 0.5})
     least = min(open_loops, key=lambda o: o.margins.modulus_margin)
     assert check.passed and check.value == least.margins.modulus_margin
-    assert dict(least.case) == {"k": pytest.approx(8.8), "m": pytest.approx(0.285)}  # the largest gain
+    assert least.case.values == {"k": pytest.approx(8.8), "m": pytest.approx(0.285)}  # the largest gain
     assert "of 5 loops, at i2, mid, k = 8.8, m = 0.285" in check.about
 
 
 def test_an_insufficient_margin_fails_and_so_does_an_unstable_loop() -> None:
-    open_loops = robustness.open_loops(loops({"mid": {"z": 0.0}}, [{"K": 80.0}]), ["z"])  # four times the gain
+    open_loops = robustness.open_loops(loops({"mid": {"z": 0.0}}, [Case({"K": 80.0})]), ["z"])  # four times the gain
     require = {"phase_margin": 30.0, "gain_margin": 1.5, "modulus_margin": 0.5}
     lost = {c.name: c for c in robustness.checks(open_loops, require)}
     assert not open_loops[0].margins.stable and "not stable" in lost["phase margin"].about
@@ -110,7 +110,7 @@ def test_tolerances_are_taken_in_all_corners() -> None:
     plant = DESIGN.PLANT
     corners = robustness.corners(plant, ["K", "F0"])
     expected = [(18.0, 13.72), (18.0, 14.28), (22.0, 13.72), (22.0, 14.28)]
-    np.testing.assert_allclose([tuple(c.values()) for c in corners], expected)
+    np.testing.assert_allclose([tuple(c.values.values()) for c in corners], expected)
     assert robustness.corners(plant, []) == []
 
 
@@ -163,13 +163,13 @@ def test_the_poles_of_the_closed_loop_are_those_of_each_axis() -> None:
 
 def test_an_axis_that_no_other_reaches_is_found_unstable() -> None:
     k = DESIGN.PLANT.parameter("k").value
-    (closed,) = robustness.closed_loops(loops({"low": POINTS["low"]}, [{"k": 20 * k}]))
+    (closed,) = robustness.closed_loops(loops({"low": POINTS["low"]}, [Case({"k": 20 * k})]))
     assert not closed.is_stable
 
 
 def test_a_loop_with_ten_times_its_force_is_unstable() -> None:
     K = DESIGN.PLANT.parameter("K").value
-    closed = robustness.closed_loops(loops({"low": POINTS["low"]}, [robustness.NOMINAL, {"K": 10 * K}]))
+    closed = robustness.closed_loops(loops({"low": POINTS["low"]}, [robustness.NOMINAL, Case({"K": 10 * K})]))
     assert [c.is_stable for c in closed] == [True, False]
     assert closed[1].reason or closed[1].slowest_s == np.inf
 
