@@ -7,9 +7,8 @@ With L = N / D on the axis s = i v, u = v^2 and N conj(D) = R(u) + i v F(u),
     |1 + L| least      d/du (|N + D|^2 / |D|^2) = 0, or at an end
 
 Each is a polynomial in u with integer coefficients. All its positive zeros are isolated, so no crossing is missed,
-however close it lies to another or to an end. The value of L at a zero is enclosed by a ball. For an order above
-MAX_POLYNOMIAL_ORDER, branch and bound gives the least |1 + L| (`zpk.least_distance`). If |L| = 1 or
-F = 0 at all frequencies, only the worst crossings are returned.
+however close it lies to another or to an end. The value of L at a zero is enclosed by a ball. If |L| = 1 or F = 0 at
+all frequencies, only the worst crossings are returned.
 
 Gain and phase crossings and least distance to -1 of a loop with an exact delay and hold.
 
@@ -36,7 +35,6 @@ from synth.timing import Continuous
 
 CORRECT_BITS = 53  # bits of a value, at least
 ZERO_THRESHOLD = 2.0**-200  # a smaller value counts as 0
-MAX_POLYNOMIAL_ORDER = 12  # order up to which the zeros of a polynomial of twice that degree give the least |1 + L|
 POINTS = 2000  # of the grid on which an all-pass is searched for its worst crossing
 
 
@@ -124,18 +122,10 @@ def _least_distance(loop: Rational, ends: Mapping[float, float], low: float, hig
     """Return the least |1 + L| and its frequency."""
     N, D = loop.lowest_terms
     candidates = [(abs(1 + v), w) for w, v in ends.items()]
-    if D.degree() <= MAX_POLYNOMIAL_ORDER:
-        P, Q = squared_magnitude(N + D), squared_magnitude(D)
-        stationary = _values_at_zeros(loop, N, D, _without_common_zeros(P.derivative() * Q - P * Q.derivative(), Q))
-        inside = [c for c in stationary if low <= c.frequency <= high] + _crossings_at_limits(loop, N, D, low, high)
-        return min(candidates + [(abs(1 + c.L), c.frequency) for c in inside])
-    L = zpk.of_rational(loop)
-    slowest = float(np.abs(loop.closed_loop_poles[loop.closed_loop_poles != 0]).min(initial=np.inf))
-    start = loop.axis_point(low) if low else min(zpk.lowest_frequency(L), zpk.LOW_ASYMPTOTE * slowest)
-    grid = zpk.frequency_grid(L, start, loop.closed_loop_poles)
-    top = loop.axis_point(high) if np.isfinite(high) else float(grid[-1])
-    distance, v = zpk.least_distance(L, zpk.interval_ends(L, grid, top, turning=False))
-    return min([*candidates, (distance, loop.frequency(v))])
+    P, Q = squared_magnitude(N + D), squared_magnitude(D)
+    stationary = _values_at_zeros(loop, N, D, _without_common_zeros(P.derivative() * Q - P * Q.derivative(), Q))
+    inside = [c for c in stationary if low <= c.frequency <= high] + _crossings_at_limits(loop, N, D, low, high)
+    return min(candidates + [(abs(1 + c.L), c.frequency) for c in inside])
 
 
 def _crossings_at_limits(loop: Rational, N: Polynomial, D: Polynomial, low: float, high: float) -> list[Crossing]:
@@ -150,8 +140,8 @@ def _values_at_zeros(loop: Rational, N: Polynomial, D: Polynomial, P: Polynomial
     """Return L at the positive zeros of P, enclosed to double precision."""
     bits = zpk.BITS
     while bits <= zpk.MAX_BITS:
+        points = zpk.positive_zeros(P, bits)
         with precise.precision(bits):
-            points = sorted((root.real for root, _ in zpk.roots(P) if root.imag == 0 and root.real > 0), key=float)
             values = [_value(N, D, u) for u in points]
             if all(_is_resolved(v) for v in values):
                 frequencies = [loop.frequency(float(u.sqrt())) for u in points]

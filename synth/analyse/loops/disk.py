@@ -35,7 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth import arguments, show
-from synth.analyse.loops import structured_peak, transfer
+from synth.analyse.loops import structured_peak, transfer, zpk
 from synth.analyse.loops.zpk import BITS, Rational
 from synth.analyse.numerics import magnitude, precise
 from synth.errors import ModelError, SignalError
@@ -274,16 +274,13 @@ def is_stable(loop: Rational) -> bool:
 
     Raises ModelError if rounding of the coefficients hides the answer.
     """
-    poles = loop.closed_loop_poles
-    if not poles.size:
-        return True
-    decay = _decay(poles, loop.time)
-    if (decay <= 0).any():
+    if zpk.count_unstable(loop, 1.0) or zpk.count_in_right_half_plane(loop.common, flint.fmpz_poly([])):
         return False
+    poles = loop.closed_loop_poles if loop.coefficients else loop.poles_in_double
     hidden = [w for w in map(loop.frequency, np.unique(np.abs(poles))) if of_rational(loop, w).of_closed >= 1]
     if not hidden:
         return True
-    if (decay <= MIN_DECAY).any():
+    if (_decay(loop.closed_loop_poles, loop.time) <= MIN_DECAY).any():
         return False
     raise ModelError(
         f"rounding of the coefficients hides whether the closed loop is stable: it may move its poles near "

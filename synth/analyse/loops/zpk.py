@@ -20,7 +20,6 @@ nor, for a state-space model,
 On the axis s = i v, with u = v^2, a polynomial is P(i v) = E(u) + i v O(u). Its zeros are isolated in ball arithmetic.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -33,7 +32,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
 from synth.analyse import discretise
-from synth.analyse.numerics import precise
+from synth.analyse.loops import transfer
+from synth.analyse.numerics import precise, sturm
 from synth.errors import ModelError
 from synth.statespace import Array, Complex, StateSpace, System, coefficients, of
 from synth.timing import Continuous, Time
@@ -80,6 +80,15 @@ class Rational:
         at_infinity = max(self.N.degree(), self.D.degree()) - len(finite)
         return np.concatenate([finite, np.full(at_infinity, complex(np.inf))])
 
+    @property
+    def poles_in_double(self) -> Complex:
+        """The closed-loop poles (n,) in s as eigenvalues in double precision, inf for a pole at z = -1."""
+        poles = transfer.closed_loop_poles(self.model)
+        if isinstance(self.time, Continuous):
+            return poles
+        at_infinity = poles == -1
+        return np.where(at_infinity, np.inf, (poles - 1) / np.where(at_infinity, 1, poles + 1))
+
     def frequency(self, v: float) -> float:
         """Return w in rad/s of s = i v."""
         return v if isinstance(self.time, Continuous) else 2 / self.time.period_s * float(np.arctan(v))
@@ -106,17 +115,27 @@ def of_system(system: System) -> Rational:
 
 def _integer_coefficients(b: Array, a: Array) -> tuple[Polynomial, Polynomial]:
     """Return polynomials with coefficients b and a, highest powers first, both times one power of 2."""
-    shift = 1 << _bits(np.concatenate([b, a]))
-    return _integer_polynomial(b[::-1], shift), _integer_polynomial(a[::-1], shift)
-
-
-def _integer_polynomial(values: Array, shift: int) -> Polynomial:
-    return flint.fmpz_poly([int(Fraction(float(v)) * shift) for v in values])
+    bits = _bits(np.concatenate([b, a]))
+    return flint.fmpz_poly(_whole(b[::-1], bits)), flint.fmpz_poly(_whole(a[::-1], bits))
 
 
 def _bits(values: Array) -> int:
     """Return the least k >= 0 for which all values times 2^k are whole."""
-    return max((Fraction(float(v)).denominator.bit_length() - 1 for v in values), default=0)
+    mantissa, exponent = _mantissas(values)
+    lowest = np.frexp((mantissa & -mantissa).astype(np.float64))[1] - 1  # the place of the last 1
+    return max(0, int((-exponent - lowest)[mantissa != 0].max(initial=0)))
+
+
+def _mantissas(values: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return whole numbers m and exponents e, values = m 2^e."""
+    fraction, exponent = np.frexp(values)
+    return (fraction * 2.0**53).astype(np.int64), exponent.astype(np.int64) - 53
+
+
+def _whole(values: Array, k: int) -> list[int]:
+    """Return values times 2^k, which are whole."""
+    pairs = zip(*(part.ravel().tolist() for part in _mantissas(values)), strict=True)
+    return [m << (e + k) if e + k >= 0 else m >> -(e + k) for m, e in pairs]
 
 
 def _determinants(model: StateSpace) -> tuple[Polynomial, Polynomial]:
@@ -126,19 +145,15 @@ def _determinants(model: StateSpace) -> tuple[Polynomial, Polynomial]:
     A, b, c = model.A * scale / scale[:, None], model.B[:, 0] / scale, model.C[0] * scale
     k_b, k_c, d = _bits(b), _bits(c), Fraction(float(model.D[0, 0]))
     k = max(_bits(A.ravel()), k_b + k_c)
-    A_whole = [[int(Fraction(float(v)) * (1 << k)) for v in row] for row in A]
-    b_whole = [int(Fraction(float(v)) * (1 << (k - k_c))) for v in b]
-    c_whole = [int(Fraction(float(v)) * (1 << k_c)) for v in c]
-    feedback = [[A_whole[i][j] - b_whole[i] * c_whole[j] for j in range(n)] for i in range(n)]
+    A_whole = flint.fmpz_mat(n, n, _whole(A, k))
+    feedback = A_whole - flint.fmpz_mat(n, 1, _whole(b, k - k_c)) * flint.fmpz_mat(1, n, _whole(c, k_c))
     D, closed = _characteristic(A_whole, k), _characteristic(feedback, k)
     return d.denominator * closed + (d.numerator - d.denominator) * D, d.denominator * D
 
 
-def _characteristic(M: Sequence[Sequence[int]], k: int) -> Polynomial:
+def _characteristic(M: flint.fmpz_mat, k: int) -> Polynomial:
     """Return det(s I - M / 2^k) times 2^(k n), M (n, n)."""
-    if not M:
-        return flint.fmpz_poly([1])
-    return flint.fmpz_poly([c << (k * i) for i, c in enumerate(map(int, flint.fmpz_mat(M).charpoly().coeffs()))])
+    return flint.fmpz_poly([c << (k * i) for i, c in enumerate(map(int, M.charpoly().coeffs()))])
 
 
 def _bilinear(P: Polynomial, order: int) -> Polynomial:
@@ -159,6 +174,14 @@ def roots(P: Polynomial) -> list[tuple[Any, int]]:
     """Return the zeros of a polynomial as balls, each with its multiplicity, in the current precision."""
     isolated: list[Any] = P.complex_roots() if P.degree() > 0 else []
     return [(root, int(count)) for root, count in isolated]
+
+
+def positive_zeros(P: Polynomial, bits: int) -> list[flint.arb]:
+    """Return the distinct positive zeros of a polynomial in rising order as balls, of `bits` or a little less."""
+    if (separated := sturm.positive_zeros(P, bits)) is not None:
+        return separated
+    with precise.precision(bits):
+        return sorted((root.real for root, _ in roots(P) if root.imag == 0 and root.real > 0), key=float)
 
 
 def on_axis(P: Polynomial) -> tuple[Polynomial, Polynomial]:
@@ -191,10 +214,18 @@ def count_unstable(loop: Rational, factor: complex) -> int:
     shift = max(a.denominator, b.denominator)
     real, imaginary = shift * D + int(a * shift) * N, int(b * shift) * N
     at_infinity = 0 if isinstance(loop.time, Continuous) else order - max(real.degree(), imaginary.degree())
+    return at_infinity + count_in_right_half_plane(real, imaginary)
+
+
+def count_in_right_half_plane(real: Polynomial, imaginary: Polynomial) -> int:
+    """Return the number of zeros of real + i imaginary in the closed right half-plane."""
+    count = sturm.count_right_half_plane(real, imaginary)
+    if count is not None:
+        return count
+    if imaginary.degree() >= 0:
+        return sum(not root.real < 0 for root in _complex_roots(real, imaginary))
     with precise.precision(BITS):
-        if not b:
-            return at_infinity + sum(count for root, count in roots(real) if not root.real < 0)
-    return at_infinity + sum(not root.real < 0 for root in _complex_roots(real, imaginary))
+        return sum(count for root, count in roots(real) if not root.real < 0)
 
 
 def _complex_roots(real: Polynomial, imaginary: Polynomial) -> list[flint.acb]:
@@ -332,12 +363,9 @@ def lowest_frequency(L: ZeroPoleGain) -> float:
     return min(lowest, lowest * float(np.exp(-L.log_gain(np.array([lowest]))[0] / slope)) / 10)
 
 
-def frequency_grid(L: ZeroPoleGain, low: float, closed: NDArray[np.complex128] | None = None) -> Array:
-    """Return frequencies from `low` up to one above which the loop without its hold is its asymptote and |L| != 1.
-
-    The range also covers the `closed` poles, if given.
-    """
-    sizes = np.abs(L.roots if closed is None else np.concatenate([L.roots, closed[np.isfinite(closed)]]))
+def frequency_grid(L: ZeroPoleGain, low: float) -> Array:
+    """Return frequencies from `low` up to one above which the loop without its hold is its asymptote and |L| != 1."""
+    sizes = np.abs(L.roots)
     top = max(
         HIGH_ASYMPTOTE * float(sizes.max(initial=0.0)),
         HIGH_ASYMPTOTE / L.delay_s if L.delay_s else 0.0,
