@@ -16,6 +16,7 @@ at (x0, u0, p0), by exact differentiation of the plant's expressions, with one-s
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
@@ -86,10 +87,13 @@ class _Problem:
 
 
 @arguments.checked
-def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> OperatingPoint:
+def trim(
+    plant: Plant, fixed: Mapping[str, float], free: Collection[str], near: OperatingPoint | None = None
+) -> OperatingPoint:
     """Find the equilibrium f(x, u, p) = 0 nearest zero in the `free` states and inputs.
 
-    `fixed` holds states and inputs at values in their units; a name in neither stays at zero.
+    `fixed` holds states and inputs at values in their units; a name in neither stays at zero. With an equilibrium
+    `near` of the same plant with other parameters, the search starts there, and elsewhere only if that finds none.
 
     Raises SignalError for a name that the plant lacks or that is fixed and free, ModelError without an equilibrium.
     """
@@ -98,7 +102,9 @@ def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> Ope
     reference = np.array([np.clip(0.0, signals[n].low, signals[n].high) for n in free])
     scale = np.array([signals[n].high / 2 - signals[n].low / 2 for n in free])
     problem = _problem(plant, fixed, [signals[n] for n in free], reference, scale)
-    roots = _roots(plant, problem, tuple(free), tuple(fixed))
+    start = None if near is None else (np.array([near[n] for n in free]) - reference) / scale
+    continued = None if start is None or not free else nearest_root.find_near(problem.system, start)
+    roots = _roots(plant, problem, tuple(free), tuple(fixed)) if continued is None else (continued,)
     chosen, *others = (dict(zip(free, map(float, reference + scale * z), strict=True)) for z in roots)
     ties = tuple(MappingProxyType(other) for other in others)
     value = dict.fromkeys(signals, 0.0) | dict(fixed) | chosen
@@ -111,20 +117,25 @@ def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> Ope
 
 
 @arguments.checked
-def trim_with_free_states(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> OperatingPoint:
+def trim_with_free_states(
+    plant: Plant, fixed: Mapping[str, float], free: Collection[str], near: OperatingPoint | None = None
+) -> OperatingPoint:
     """Return `trim`, and where there is none, that with all states free that are not fixed.
 
     A force that holds one coordinate may displace another, such as a flexible mode, which then cannot stay at zero.
+    States that are displaced at an equilibrium `near` are free from the first.
 
     Raises as `trim`.
     """
-    try:
-        return trim(plant, fixed, free)
-    except ModelError:
-        others = [s.name for s in plant.states if s.name not in (*fixed, *free)]
-        if not others:
-            raise
-    return trim(plant, fixed, [*free, *others])
+    zero = [s for s in plant.states if s.name not in (*fixed, *free)]
+    others = [s.name for s in zero]
+    if near is None or all(abs(near[s.name]) <= RELATIVE_TOLERANCE * (s.high / 2 - s.low / 2) for s in zero):
+        try:
+            return trim(plant, fixed, free, near)
+        except ModelError:
+            if not others:
+                raise
+    return trim(plant, fixed, [*free, *others], near)
 
 
 def _check_names(plant: Plant, known: Collection[str], fixed: Collection[str], free: Collection[str]) -> None:
@@ -237,8 +248,7 @@ def linearise(plant: Plant, point: OperatingPoint) -> StateSpace:
     such as a stop or a limit, where there is no derivative.
     """
     require_point(plant, point)
-    x, u, p = (ca.SX.sym(s, len(v)) for s, v in (("x", point.x), ("u", point.u), ("p", point.p)))
-    model = ca.Function("model", [x, u, p], [plant.f(x, u, p), plant.h(x, u, p)])
+    model = _model(plant.f, plant.h)
     signals = (*plant.states, *plant.inputs)
     rows = [*(f"d({s.name})/dt" for s in plant.states), *(f"the output '{s.name}'" for s in plant.outputs)]
     A, B, C, D = derivatives.linear_model(
@@ -246,6 +256,13 @@ def linearise(plant: Plant, point: OperatingPoint) -> StateSpace:
     )
     units = {s.name: s.unit for s in (*plant.states, *plant.inputs, *plant.outputs)}
     return StateSpace(A, B, C, D, point.states, point.inputs, signal_names(plant.outputs), Continuous(), units)
+
+
+@lru_cache(maxsize=8)  # a plant is linearised at many points, with many values of its parameters
+def _model(f: ca.Function, h: ca.Function) -> ca.Function:
+    """Return (x, u, p) -> (f, h)."""
+    arguments = f.sx_in()
+    return ca.Function("model", arguments, [f(*arguments), h(*arguments)])
 
 
 @arguments.checked

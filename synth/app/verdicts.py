@@ -14,7 +14,7 @@ declared, but has not been measured, is NaN and fails.
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
-from functools import partial
+from functools import lru_cache, partial
 from math import inf, isfinite, nan
 
 import numpy as np
@@ -57,10 +57,12 @@ def survey(stage: Stage) -> Survey | None:
         return None
     if stage.loops:
         return _own_loops(stage.loops(stage))
-    nominal = robustness.of_stage(stage)
-    surveys = [robustness.survey(nominal, nominal.groups)]
-    if varied := standard.varied_cases(stage):
-        surveys.append(robustness.survey(replace(nominal, cases=varied), {AT_ONCE: nominal.groups[AT_ONCE]}))
+    loops, at_rest = _at_rest(stage)
+    nominal, varied = ([rest for rest in at_rest if (rest.case == robustness.NOMINAL) == is_nominal] for is_nominal in (True, False))
+    surveys = [
+        robustness.survey(loops, loops.groups, nominal),
+        robustness.survey(loops, {AT_ONCE: loops.groups[AT_ONCE]}, varied),
+    ]
     return Survey(
         [loop for each in surveys for loop in each.loops],
         [unsolved for each in surveys for unsolved in each.unsolved],
@@ -74,7 +76,14 @@ def closed_loops(stage: Stage) -> list[robustness.ClosedLoop]:
         return []
     if stage.loops:
         return robustness.closed_loops_at(stage.loops(stage))
-    return robustness.closed_loops(standard.over_tolerances(stage))
+    return robustness.closed_loops(*_at_rest(stage))
+
+
+@lru_cache(maxsize=1)  # for `closed_loops`, then `survey`
+def _at_rest(stage: Stage) -> tuple[robustness.Loops, list[robustness.AtRest]]:
+    """Return the loops over the tolerances and cases of a stage, and their equilibria."""
+    loops = standard.over_tolerances(stage)
+    return loops, robustness.equilibria(loops)
 
 
 def stability(closed: Sequence[robustness.ClosedLoop]) -> str:

@@ -20,8 +20,10 @@ receives u[k-d-1] for the first f T of period k and u[k-d] for the remainder:
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from numbers import Real
 
+import casadi as ca
 import flint
 import numpy as np
 
@@ -77,10 +79,15 @@ def linearise_block(
     rows = [f"the next value of '{s.name}'" * (not s.integer) for s in block.states]
     rows += [f"the output '{s.name}'" for s in block.outputs]
     signals = (*(s.signal for s in block.states), *block.inputs)
-    A, B, C, D = derivatives.linear_model(f"block '{block.name}'", block.function(), (x0, u0), signals, sides, rows)
+    A, B, C, D = derivatives.linear_model(f"block '{block.name}'", _step(block), (x0, u0), signals, sides, rows)
     moving = [i for i, s in enumerate(block.inputs) if s.name not in held]
     states, names = tuple(s.name for s in block.states), tuple(block.inputs[i].name for i in moving)
     return StateSpace(A, B[:, moving], C, D[:, moving], states, names, signal_names(block.outputs), block.time)
+
+
+@lru_cache(maxsize=8)  # a controller is linearised at many points
+def _step(block: Block) -> ca.Function:
+    return block.function()
 
 
 @arguments.checked

@@ -23,6 +23,7 @@ from synth.analyse import operating_points
 from synth.analyse.loops import disk, equilibrium, stability_margins, transfer
 from synth.analyse.loops.equilibrium import Equilibrium, SampledLoop, Wires
 from synth.analyse.loops.stability_margins import Margins
+from synth.analyse.operating_points import OperatingPoint
 from synth.check import Check
 from synth.declare.stage import Controller, Interface, Stage
 from synth.errors import ModelError, NoEquilibriumError, SignalError
@@ -131,6 +132,21 @@ class Unsolved:
     def label(self) -> str:
         """The operating point and the case, as text."""
         return f"at {self.point}{self.case.text}"
+
+
+@dataclass(frozen=True, eq=False)
+class AtRest:
+    """The equilibrium of the loop at an operating point in a case; without one, the reason."""
+
+    point: str
+    case: Case
+    equilibrium: Equilibrium | None
+    reason: str = ""
+
+    @property
+    def label(self) -> str:
+        """The operating point and the case, as text."""
+        return f"{self.point}{self.case.text}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,8 +297,10 @@ def of_stage(stage: Stage) -> Loops:
 
 
 @arguments.checked
-def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
+def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL, near: OperatingPoint | None = None) -> Equilibrium:
     """Return the equilibrium of the loop at an operating point, with the parameters and auxiliary inputs of a case.
+
+    `near` is one in another case, from which the plant's trim is continued.
 
     Raises SignalError for an unknown point or parameter; ModelError as `trim_with_free_states` and
     `equilibrium.solve`.
@@ -293,7 +311,7 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
     parameters = {name: value for name, value in case.values.items() if name not in auxiliaries}
     plant = closed.plant.with_parameters(**parameters)
     try:
-        trimmed = operating_points.trim_with_free_states(plant, dict(loops.points[point]), list(loops.actuators))
+        trimmed = operating_points.trim_with_free_states(plant, dict(loops.points[point]), list(loops.actuators), near)
     except ModelError as error:
         raise ModelError(f"operating point '{point}'{case.text}: {error}") from error
     outputs = np.asarray(plant.h(trimmed.x, trimmed.u, trimmed.p)).ravel().tolist()
@@ -307,21 +325,45 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
 
 
 @arguments.checked
-def closed_loops(loops: Loops) -> list[ClosedLoop]:
-    """Return the closed loop at each operating point and case; it takes a small part of the time of `survey`.
+def equilibria(loops: Loops) -> list[AtRest]:
+    """Return the equilibria at the operating points in the first case, then at each point in the others.
+
+    The whole search for a trim is made once a point, and continued in the other cases.
+
+    Raises as `equilibrium_at`, but no NoEquilibriumError.
+    """
+    first, *others = loops.cases
+    nearest: dict[str, OperatingPoint] = {}
+    rests: list[AtRest] = []
+    for point, case in (*((p, first) for p in loops.points), *itertools.product(loops.points, others)):
+        try:
+            found = equilibrium_at(loops, point, case, nearest.get(point))
+        except NoEquilibriumError as error:
+            rests.append(AtRest(point, case, None, str(error)))
+        else:
+            nearest.setdefault(point, found.point)
+            rests.append(AtRest(point, case, found))
+    return rests
+
+
+@arguments.checked
+def closed_loops(loops: Loops, at_rest: Sequence[AtRest] | None = None) -> list[ClosedLoop]:
+    """Return the closed loop at each of the equilibria, by default `equilibria`; much sooner than `survey`.
 
     Raises as `open_loops`, but no NoEquilibriumError.
     """
-    closed = []
-    for point, case in itertools.product(loops.points, loops.cases):
-        label, period_s = f"{point}{case.text}", period(loops.closed.controller.time)
-        try:
-            L = equilibrium.open_loop(equilibrium_at(loops, point, case), list(loops.actuators))
-        except NoEquilibriumError as error:
-            closed.append(ClosedLoop(label, np.zeros(0, np.complex128), period_s, str(error)))
-        else:
-            closed.append(ClosedLoop(label, _closed_poles(L), period_s))
-    return closed
+    period_s = period(loops.closed.controller.time)
+    return [
+        ClosedLoop(
+            rest.label,
+            _closed_poles(equilibrium.open_loop(rest.equilibrium, list(loops.actuators)))
+            if rest.equilibrium
+            else np.zeros(0, np.complex128),
+            period_s,
+            rest.reason,
+        )
+        for rest in (equilibria(loops) if at_rest is None else at_rest)
+    ]
 
 
 @arguments.checked
@@ -349,8 +391,8 @@ def open_loops(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenL
 
 
 @arguments.checked
-def survey(loops: Loops, at_once: Groups = MappingProxyType({})) -> Survey:
-    """Return the loops as `open_loops` does, with the points and cases without an equilibrium listed beside them.
+def survey(loops: Loops, at_once: Groups = MappingProxyType({}), at_rest: Sequence[AtRest] | None = None) -> Survey:
+    """Return the loops opened at each of the equilibria, by default `equilibria`, and the points and cases without one.
 
     An unstable loop may have no equilibrium that can be found, since its samples do not lead to one. Where all loops
     are stable, the disk margin with all signals of each group `at_once` is computed, too.
@@ -360,16 +402,14 @@ def survey(loops: Loops, at_once: Groups = MappingProxyType({})) -> Survey:
     opened: list[OpenLoop] = []
     unsolved: list[Unsolved] = []
     disks: dict[str, Mapping[str, disk.DiskMargin]] = {}
-    for point, case in itertools.product(loops.points, loops.cases):
-        try:
-            at_rest = equilibrium_at(loops, point, case)
-        except NoEquilibriumError as error:
-            unsolved.append(Unsolved(point, case, str(error)))
+    for rest in equilibria(loops) if at_rest is None else at_rest:
+        if rest.equilibrium is None:
+            unsolved.append(Unsolved(rest.point, rest.case, rest.reason))
         else:
-            here = [_open(point, case, signal, at_rest) for signal in loops.signals]
+            here = [_open(rest.point, rest.case, signal, rest.equilibrium) for signal in loops.signals]
             opened += here
             if at_once and all(loop.margins.stable for loop in here):
-                disks[f"{point}{case.text}"] = _disks(at_rest, at_once)
+                disks[rest.label] = _disks(rest.equilibrium, at_once)
     return Survey(opened, unsolved, disks)
 
 

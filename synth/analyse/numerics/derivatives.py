@@ -16,7 +16,7 @@ such as an interpolant, has CasADi's derivative, unchecked.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -81,6 +81,15 @@ SELECTIONS: Mapping[int, Callable[..., tuple[Values, Values]]] = {
     ca.OP_EQ: lambda _, a, b: (np.where(np.equal(a.value, b.value), 1.0, 0.0), 0.0),
     ca.OP_NE: lambda _, a, b: (np.where(np.equal(a.value, b.value), 0.0, 1.0), 0.0),
 }
+BY_SIGN: Mapping[int, Callable[[ca.SX], ca.SX]] = {  # operations that switch with the sign of a difference
+    ca.OP_FABS: lambda term: term.dep(0),
+    ca.OP_FMIN: lambda term: term.dep(0) - term.dep(1),
+    ca.OP_FMAX: lambda term: term.dep(0) - term.dep(1),
+}
+SIDES: Mapping[int, Callable[[ca.SX], ca.SX]] = {  # and with their value
+    **BY_SIGN,
+    **dict.fromkeys((ca.OP_LT, ca.OP_LE, ca.OP_SIGN, ca.OP_FLOOR, ca.OP_CEIL), lambda term: term),
+}
 FREQUENT: Mapping[int, tuple[np.ufunc, Callable[..., Sequence[Values]]]] = {  # operations and their derivatives
     ca.OP_ADD: (np.add, lambda a, b: (1.0, 1.0)),
     ca.OP_SUB: (np.subtract, lambda a, b: (1.0, -1.0)),
@@ -116,14 +125,12 @@ def linear_model(
 
     Raises ModelError, naming `what`, at a kink where all derivatives of CasADi's are finite.
     """
-    args = model.sx_in()
-    results = model.call(args)
-    exprs = [ca.densify(ca.jacobian(result, a)) for result in results for a in args[:2]]
-    A, B, C, D = (np.asarray(M) for M in ca.Function("jacobians", args, exprs).call([ca.DM(v) for v in point]))
-    f = ca.Function("f", [ca.vertcat(*args)], [ca.densify(ca.vertcat(*results))])
+    compiled = _compiled(model)
+    A, B, C, D = (np.asarray(M) for M in compiled.jacobians.call([ca.DM(v) for v in point]))
     J = np.block([[A, B], [C, D]])
-    if SWITCHES.keys().isdisjoint(f.instruction_id(k) for k in range(f.n_instructions())) or not np.isfinite(J).all():
+    if not compiled.switches or not np.isfinite(J).all():
         return A, B, C, D
+    f = compiled.f
     z, (down, up) = np.concatenate([np.ravel(each) for each in point]), np.reshape(sides, (-1, 2)).T
     moves = down | up
     if not moves[A.shape[1] :].all():  # a state that only held inputs reach stays, too: a prefilter of a set-point
@@ -132,7 +139,10 @@ def linear_model(
             reached |= (A != 0) @ reached
         stays = down & up & ~np.concatenate([reached, moves[len(A) :]])
         down, up = down & ~stays, up & ~stays
-    changes = _changes(f, z, signals, down, up)
+    widths, first, second, moves_by = _moves(z, signals, down, up)
+    if _is_decided(compiled, z, moves_by):
+        return A, B, C, D
+    changes = _changes(f, z, widths, first, second, moves_by)
     least = _require_derivative(what, f, z, signals, changes, rows)
     wrong = (np.abs(J * changes.widths - changes.above) > least[:, None]) & (down | up)  # CasADi's for two branches
     J = np.where(wrong, changes.above / changes.widths, J)
@@ -140,17 +150,68 @@ def linear_model(
     return J[:n, :m], J[:n, m:], J[n:, :m], J[n:, m:]
 
 
-def _changes(
-    f: ca.Function, z: Array, signals: Sequence[Signal], down: NDArray[np.bool_], up: NDArray[np.bool_]
-) -> _Changes:
+@dataclass(frozen=True, eq=False)
+class _Compiled:
+    """Jacobians of a model, its results as one function f of one argument, and whether operations of f switch.
+
+    `sides` returns for each of these the number whose value, or with `by_sign` whose sign, says which branch it takes;
+    it is None where an operation has no such number. `depends` tells on which arguments each has a slope.
+    """
+
+    jacobians: ca.Function
+    f: ca.Function
+    switches: bool
+    sides: ca.Function | None
+    by_sign: NDArray[np.bool_]
+    depends: NDArray[np.bool_]
+
+
+@lru_cache(maxsize=8)  # a Block or a plant is linearised at many points
+def _compiled(model: ca.Function) -> _Compiled:
+    args = model.sx_in()
+    results = model.call(args)
+    exprs = [ca.densify(ca.jacobian(result, a)) for result in results for a in args[:2]]
+    z = ca.vertcat(*args)
+    f = ca.Function("f", [z], [ca.densify(ca.vertcat(*results))])
+    operations, terms = [f.instruction_id(k) for k in range(f.n_instructions())], ca.vertsplit(f.instructions_sx())
+    switches = [(op, term) for op, term in zip(operations, terms, strict=True) if op in SWITCHES]
+    by_sign = np.array([op in BY_SIGN for op, _ in switches], dtype=bool)
+    jacobians, none = ca.Function("jacobians", args, exprs), np.zeros((len(switches), z.numel()), dtype=bool)
+    if ca.OP_CALL in operations or not all(op in SIDES for op, _ in switches):
+        return _Compiled(jacobians, f, bool(switches), None, by_sign, none)
+    sides = ca.Function("sides", f.sx_in(), [ca.densify(ca.vcat([SIDES[op](term) for op, term in switches]))])
+    depends = np.array(ca.DM(sides.jac_sparsity(0, 0), 1)).astype(bool) if switches else none
+    return _Compiled(jacobians, f, bool(switches), sides, by_sign, depends)
+
+
+def _moves(
+    z: Array, signals: Sequence[Signal], down: NDArray[np.bool_], up: NDArray[np.bool_]
+) -> tuple[Array, Array, Array, Array]:
+    """Return the widths (n,), the way up and the way down of each signal (n,), and all moves as columns."""
     widths = np.array([s.high / 2 - s.low / 2 for s in signals])
     widths = np.where((widths <= WIDEST) & (widths > 0), widths, 1.0)
     n = len(signals)
     first, second = np.where(up, 1.0, -1.0 * down), np.where(down, -1.0, 1.0 * up)  # the same where one side is alone
     generic = np.abs(np.cos(np.arange(n)))  # few of its entries add up to zero
-    ways = np.column_stack([np.diag(first), np.diag(second), generic * first, generic * second])
     D = np.zeros((len(z), 2 * n + 2))
-    D[:n] = widths[:, None] * ways
+    D[:n] = widths[:, None] * np.column_stack([np.diag(first), np.diag(second), generic * first, generic * second])
+    return widths, first, second, D
+
+
+def _is_decided(compiled: _Compiled, z: Array, D: Array) -> bool:
+    """Tell whether all operations that switch take one branch, at z and beside it: f has CasADi's derivative there."""
+    if compiled.sides is None:
+        return False
+    at = z[:, None] + np.column_stack([np.zeros(len(z)), 2 * NEAR * D])
+    sides = column_maps.map_columns(compiled.sides, at)[0]
+    sides = np.where(compiled.by_sign[:, None], np.sign(sides), sides)
+    tied = compiled.by_sign & (sides[:, 0] == 0) & compiled.depends[:, D.any(axis=1)].any(axis=1)
+    return bool((sides == sides[:, :1]).all() and not tied.any())
+
+
+def _changes(f: ca.Function, z: Array, widths: Array, first: Array, second: Array, D: Array) -> _Changes:
+    n = len(widths)
+    ways = D[:n] / widths[:, None]
     with np.errstate(all="ignore"):  # a branch that is not taken may be infinite
         limits, slopes = _directional(f, z, D)
         above, below = slopes[:, :n] * first, slopes[:, n : 2 * n] * second

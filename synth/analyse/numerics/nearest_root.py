@@ -17,9 +17,9 @@ have ended. The starts are the origin and a low-discrepancy sequence (Roberts: m
 of x^(n+1) = x + 1, modulo 1) with finite f and J. The first starts lie in the box and close to the origin. Further
 starts lie in the part of the box closer to the origin than the best root, until they find no better root.
 
-The result is the best of the roots that the starts lead to: a root is missed if no start lies in its basin. Roots whose
-norms differ by less than SAME_DISTANCE tie. They are ordered by the first component in which they differ, the larger
-first; rounding does not decide. Roots within SAME_ROOT of each other count as one.
+The result of `find` is the best of the roots that the starts lead to: a root is missed if no start lies in its basin.
+Roots whose norms differ by less than SAME_DISTANCE tie. They are ordered by the first component in which they differ,
+the larger first; rounding does not decide. Roots within SAME_ROOT of each other count as one.
 
 Box of a model's signals, low <= x <= high: random points in it, grids, and points as text.
 
@@ -186,6 +186,12 @@ def find(system: System) -> Search:
     finite = [z for z in ends if np.isfinite(system.linear(z)[0]).all()]
     best = min(finite, key=lambda z: float(np.abs(system.linear(z)[0]).max()), default=None)
     return Search(_nearest(roots), best)
+
+
+def find_near(system: System, z: Array) -> Array | None:
+    """Return the stationary root to which the descent from `z` leads, None if it leads to no root."""
+    roots = _roots(system, [_levenberg_marquardt(system, z)])
+    return roots[0] if roots else None
 
 
 def _starts(system: System, radius: float, skipped: int, count: int) -> Iterator[Array]:
