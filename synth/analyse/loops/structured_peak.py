@@ -26,7 +26,8 @@ from synth.analyse.loops.transfer import SchurResponse
 from synth.statespace import Array, Complex, StateSpace
 
 Interval = tuple[float, float]
-GRID_TOLERANCE, FINAL_TOLERANCE = 1e-2, 1e-8  # relative, of the bounds on the grid and at the points that decide
+GRID_TOLERANCE, FINAL_TOLERANCE = 1e-2, 1e-8  # relative, of coarse bounds and of those at the points that decide
+AT_ONCE = 8  # bounds that are minimised together: so many take little longer than one
 # (count, e): number of eigenvalue problems for the level (1 + e) peak before the next e is used.
 LEVELS = ((4, 1e-6), (4, 1e-5), (4, 1e-4), (48, 1e-3), (16, 1e-2), (16, 1e-1))
 
@@ -57,33 +58,30 @@ class _Points:
     scaling: Array
     fine: NDArray[np.bool_]
 
-    def refine(self, k: int) -> None:
-        """Minimise the bound at point k."""
-        if not self.fine[k]:
-            upper = ssv.upper(self.M[k : k + 1], FINAL_TOLERANCE)
-            self.bound[k], self.scaling[k], self.fine[k] = upper.value[0], upper.scaling[0], True
+    def refine(self, places: NDArray[np.intp]) -> None:
+        """Minimise the bounds at points."""
+        upper = ssv.upper(self.M[places], FINAL_TOLERANCE)
+        self.bound[places], self.scaling[places], self.fine[places] = upper.value, upper.scaling, True
 
-    def add(self, M: SchurResponse, frequencies: Array, tolerance: float) -> None:
-        """Add frequencies, with bounds minimised to the tolerance."""
-        new = _points(M, frequencies, tolerance)
+    def add(self, M: SchurResponse, frequencies: Array) -> None:
+        """Add frequencies, with coarse bounds."""
+        new = _points(M, frequencies)
         for name in ("w", "M", "bound", "scaling", "fine"):
             setattr(self, name, np.concatenate([getattr(self, name), getattr(new, name)]))
 
-    def highest(self, inside: NDArray[np.bool_]) -> int:
-        """Return the point with the highest fine bound among those inside."""
+    def highest(self, inside: NDArray[np.bool_], above: float = 0.0) -> int:
+        """Return the point with the highest bound among those inside; it is fine if it is `above` a level."""
         places = np.flatnonzero(inside)
-        k, seen = -1, -1
-        while (k := int(places[self.bound[places].argmax()])) != seen:
-            self.refine(k)
-            seen = k
+        while not self.fine[k := int(places[self.bound[places].argmax()])] and self.bound[k] >= above:
+            rivals = places[~self.fine[places] & (self.bound[places] >= (1 - GRID_TOLERANCE) * self.bound[k])]
+            self.refine(rivals[np.argsort(-self.bound[rivals], kind="stable")[:AT_ONCE]])
         return k
 
 
-def _points(M: SchurResponse, frequencies: Array, tolerance: float) -> _Points:
+def _points(M: SchurResponse, frequencies: Array) -> _Points:
     response = M.at(frequencies)
-    upper = ssv.upper(response, tolerance)
-    fine = np.full(len(frequencies), tolerance <= FINAL_TOLERANCE)
-    return _Points(frequencies, response, upper.value, upper.scaling, fine)
+    upper = ssv.upper(response, GRID_TOLERANCE)
+    return _Points(frequencies, response, upper.value, upper.scaling, np.zeros(len(frequencies), dtype=bool))
 
 
 def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
@@ -92,18 +90,19 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
     Without `certify`, it is the largest on the grid and on more points around its peak.
     """
     M = transfer.schur_response(model)
-    points = _points(M, grid(M.poles), GRID_TOLERANCE)
+    points = _points(M, grid(M.poles))
     _climb(M, points)
     top = points.highest(points.w >= 0)
     level, certified = _prove(M, points) if certify else (float(points.bound[top]), False)
     highest = _highest(points)
     level *= 1 + 2 * max(_rounding(M, points, k) for k in highest)
     best, at = ssv.Lower(-1.0, np.zeros(0, dtype=np.complex128)), 0
+    enough = (1 - FINAL_TOLERANCE) * float(points.bound.max())
     for k in highest:
-        lower = ssv.lower(points.M[k])
+        lower = ssv.lower(points.M[k], enough)
         if lower.value > best.value and (0 < points.w[k] < np.inf or _is_real(lower.delta)):
             best, at = lower, k
-        if best.value >= (1 - FINAL_TOLERANCE) * points.bound.max():
+        if best.value >= enough:
             break  # no other point has more
     order, w = np.argsort(points.w), M.unwarped(points.w)
     return Peak(level, certified, best.value, best.delta, float(w[at]), w[order], points.bound[order])
@@ -136,7 +135,8 @@ def _climb(M: SchurResponse, points: _Points, rounds: int = 4) -> None:
         if np.isinf(w) or not ends:
             return
         new = np.concatenate([w + (e - w) * np.array([0.1, 0.3, 0.6]) for e in ends])
-        points.add(M, new[new != w], FINAL_TOLERANCE)
+        points.add(M, new[new != w])
+        points.refine(np.arange(len(points.w) - (new != w).sum(), len(points.w)))
 
 
 def _highest(points: _Points, count: int = 3) -> list[int]:
@@ -164,7 +164,7 @@ def _prove(M: SchurResponse, points: _Points) -> tuple[float, bool]:
         return 0.0, True  # M vanishes at more points than it has poles: M = 0
     for margin in (e for count, e in LEVELS for _ in range(count)):
         while True:
-            k = _highest_inside(M, points, undecided[-1])
+            k = _highest_inside(M, points, undecided[-1], (1 - GRID_TOLERANCE) * peak)
             if points.bound[k] <= peak:
                 break
             peak = float(points.bound[k])
@@ -175,14 +175,14 @@ def _prove(M: SchurResponse, points: _Points) -> tuple[float, bool]:
     return peak, False
 
 
-def _highest_inside(M: SchurResponse, points: _Points, interval: Interval) -> int:
-    """Return the highest point inside the interval, or a new one in its middle if it has none."""
+def _highest_inside(M: SchurResponse, points: _Points, interval: Interval, above: float) -> int:
+    """Return the highest point inside the interval, or a new one in its middle, fine if it is `above` a level."""
     a, b = interval
     inside = ((points.w > a) & (points.w < b)) | ((points.w == a) & (a == 0)) | ((points.w == b) & np.isinf(b))
     if not inside.any():
-        points.add(M, np.array([0.5 * (a + b) if np.isfinite(b) else 2 * a]), FINAL_TOLERANCE)
-        return len(points.w) - 1
-    return points.highest(inside)
+        points.add(M, np.array([0.5 * (a + b) if np.isfinite(b) else 2 * a]))
+        inside = np.arange(len(points.w)) == len(points.w) - 1
+    return points.highest(inside, above)
 
 
 def _above(M: SchurResponse, x: Array, level: float, interval: Interval) -> list[Interval]:

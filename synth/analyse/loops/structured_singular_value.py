@@ -127,11 +127,11 @@ def _newton(N: Complex, G: Complex, t: Array) -> tuple[Array, Array]:
     return np.clip(step / np.maximum(1.0, decrement + 0.75)[:, None], -3.0, 3.0), decrement
 
 
-def lower(M: Complex) -> Lower:
+def lower(M: Complex, enough: float = np.inf) -> Lower:
     """Return a lower bound of mu for one matrix M (p, p), and its delta.
 
     The phases come from the power iteration (Packard, Fan, Doyle 1988) with several starts; a gradient ascent of
-    log rho(M Q) improves the best ones.
+    log rho(M Q) improves the best ones, the second of them where the first stays below `enough`.
     """
     if not M.any():
         return Lower(0.0, np.full(len(M), np.inf + 0j))
@@ -139,8 +139,11 @@ def lower(M: Complex) -> Lower:
         return Lower(float(abs(M[0, 0])), 1 / M[0])
     phases = _power(M)
     radii = np.abs(np.linalg.eigvals(M * np.exp(1j * phases)[:, None, :])).max(axis=1)
-    candidates = [_ascend(M, phases[k]) for k in np.argsort(radii)[:-3:-1]]
-    return max((_certificate(M, phi) for phi in candidates), key=lambda c: c.value)
+    first, second = np.argsort(radii)[:-3:-1]
+    best = _certificate(M, _ascend(M, phases[first]))
+    return (
+        best if best.value >= enough else max(best, _certificate(M, _ascend(M, phases[second])), key=lambda c: c.value)
+    )
 
 
 def _certificate(M: Complex, phases: Array) -> Lower:
