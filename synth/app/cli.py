@@ -19,6 +19,8 @@ from typing import Annotated, NoReturn
 
 import typer
 
+from synth.base import threads
+
 app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -74,6 +76,7 @@ def _commands() -> None:
 
 def main() -> None:
     """Run the command line; print an error of this package or of a file in one line and exit with 2."""
+    threads.use_one()
     try:
         with _interruptible():
             app()

@@ -22,7 +22,7 @@ from synth.app.new import create
 from synth.app.tasks import attempt
 from synth.base import contents, progress, store
 from synth.base.jobs import Job
-from synth.base.progress import Progress
+from synth.base.progress import Progress, silent
 from synth.check import Check
 from synth.declare.stage import Stage
 from synth.emit import write
@@ -220,7 +220,7 @@ def margins(names: Names, as_json: bool, fresh: bool) -> int:
     """Tell of each design whether its loops are stable, then their poles and margins; no reference is needed."""
 
     def survey(stage: Stage, report: Progress) -> Surveyed:
-        closed = verdicts.closed_loops(stage)
+        closed = tasks.stability(stage).result(silent)
         report(verdicts.stability(closed))
         loops, failed = attempt(partial(tasks.loops(stage).result, report), "margins", None)
         return Surveyed(stage.name, closed, loops, [*failed, *verdicts.margins(stage, loops)])
@@ -236,7 +236,7 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     """Run each design's experiments on the full plant with the compiled C in the loop."""
 
     def run_experiments(stage: Stage, report: Progress) -> list[Verified]:
-        closed, lost = attempt(partial(verdicts.closed_loops, stage), "stability", list[ClosedLoop]())
+        closed, lost = attempt(partial(tasks.stability(stage).result, silent), "stability", list[ClosedLoop]())
         if not all(c.is_stable for c in closed):
             report(verdicts.stability(closed))
         runs, raised = attempt(partial(tasks.experiments(stage).result, report), "experiments", list[Experiment]())

@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from synth.analyse.loops.robustness import Survey
+from synth.analyse.loops.robustness import ClosedLoop, Survey
 from synth.app import fault_jobs, standard_tasks, study_runs, verdicts
 from synth.base import cache, progress, slices, store
 from synth.base.progress import Progress, silent
@@ -75,6 +75,12 @@ def verification(stage: Stage, whole: bool) -> Task[Evidence]:
     """Return the task of comparing the witnesses, over the `whole` replay or a short one."""
     verify = stage.verify or standard.verify
     return Task("verification", lambda say: verify(stage, say, whole), (verify, stage.stimuli or nothing, stage, whole))
+
+
+def stability(stage: Stage) -> Task[list[ClosedLoop]]:
+    """Return the task of the closed loops, which is done much sooner than that of the margins."""
+    used = (verdicts.closed_loops, _closed_loop(stage, StudyLimits()))
+    return Task("stability", lambda say: verdicts.closed_loops(stage), used)
 
 
 def loops(stage: Stage) -> Task[Survey | None]:

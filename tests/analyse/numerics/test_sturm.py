@@ -1,5 +1,7 @@
 """Counts and zeros from remainder sequences, against all complex zeros in ball arithmetic and polynomials by hand."""
 
+from typing import Any
+
 import flint
 import numpy as np
 import pytest
@@ -32,8 +34,8 @@ def drawn(seed: int) -> tuple[flint.fmpz_poly, flint.fmpz_poly]:
 def test_the_counts_are_those_of_all_complex_zeros(seed: int) -> None:
     real, imaginary = drawn(seed)
     with precise.precision(128):
-        zeros = [(z, count) for z, count in real.complex_roots()]
-        turned = (flint.acb_poly(real) + flint.acb(0, 1) * flint.acb_poly(imaginary)).roots()
+        zeros: list[tuple[Any, int]] = list(real.complex_roots())
+        turned: list[Any] = (flint.acb_poly(real) + flint.acb(0, 1) * flint.acb_poly(imaginary)).roots()
     assert sturm.count_right_half_plane(real, NONE) == sum(count for z, count in zeros if z.real > 0)
     assert sturm.count_right_half_plane(real, imaginary) == sum(z.real > 0 for z in turned)
     positive = sorted(float(z.real) for z, _ in zeros if z.imag == 0 and z.real > 0)
