@@ -97,6 +97,7 @@ def examples() -> Mapping[str, Call]:
         "robustness.corners": {"plant": maglev, "parameters": ["k"]},
         "robustness.equilibrium_at": {"loops": loops, "point": "middle"},
         "robustness.open_loops": {"loops": loops},
+        "robustness.equilibria": {"loops": loops},
         "robustness.survey": {"loops": loops},
         "robustness.closed_loops": {"loops": loops},
         "robustness.closed_loops_at": {"places": [place]},

@@ -30,7 +30,17 @@ READ = ("ndarray", "NDArray", "arb_mat", "casadi.SX", "Jacobian", "Solution", "P
 INNER = {  # modules whose functions take what others have read
     *("digits", "precise", "staircase", "structured_peak", "structured_singular_value", "equation", "exact_riccati"),
     *("derivatives", "solvability", "exact_lyapunov", "trajectory", "weights", "statespace", "crossings"),
-    *("grid_crossings", "zpk", "nearest_root", "resolvent", "period_cost", "isolated_zeros", "glsdc", "error_map"),
+    *(
+        "grid_crossings",
+        "zpk",
+        "sturm",
+        "nearest_root",
+        "resolvent",
+        "period_cost",
+        "isolated_zeros",
+        "glsdc",
+        "error_map",
+    ),
     "phasor",
     *("axis_regulator", "glsdc_model", "glsdc_jacobian", "glsdc_solution", "glsdc_integrity", "glsdc_monitor"),
 }

@@ -337,12 +337,12 @@ def equilibria(loops: Loops) -> list[AtRest]:
     rests: list[AtRest] = []
     for point, case in (*((p, first) for p in loops.points), *itertools.product(loops.points, others)):
         try:
-            found = equilibrium_at(loops, point, case, nearest.get(point))
+            at_rest = equilibrium_at(loops, point, case, nearest.get(point))
         except NoEquilibriumError as error:
             rests.append(AtRest(point, case, None, str(error)))
         else:
-            nearest.setdefault(point, found.point)
-            rests.append(AtRest(point, case, found))
+            nearest.setdefault(point, at_rest.point)
+            rests.append(AtRest(point, case, at_rest))
     return rests
 
 

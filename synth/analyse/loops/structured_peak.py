@@ -73,8 +73,8 @@ class _Points:
         """Return the point with the highest bound among those inside; it is fine if it is `above` a level."""
         places = np.flatnonzero(inside)
         while not self.fine[k := int(places[self.bound[places].argmax()])] and self.bound[k] >= above:
-            rivals = places[~self.fine[places] & (self.bound[places] >= (1 - GRID_TOLERANCE) * self.bound[k])]
-            self.refine(rivals[np.argsort(-self.bound[rivals], kind="stable")[:AT_ONCE]])
+            candidates = places[~self.fine[places] & (self.bound[places] >= (1 - GRID_TOLERANCE) * self.bound[k])]
+            self.refine(candidates[np.argsort(-self.bound[candidates], kind="stable")[:AT_ONCE]])
         return k
 
 

@@ -125,12 +125,12 @@ def linear_model(
 
     Raises ModelError, naming `what`, at a kink where all derivatives of CasADi's are finite.
     """
-    compiled = _compiled(model)
-    A, B, C, D = (np.asarray(M) for M in compiled.jacobians.call([ca.DM(v) for v in point]))
+    of_model = _derivatives(model)
+    A, B, C, D = (np.asarray(M) for M in of_model.jacobians.call([ca.DM(v) for v in point]))
     J = np.block([[A, B], [C, D]])
-    if not compiled.switches or not np.isfinite(J).all():
+    if not of_model.switches or not np.isfinite(J).all():
         return A, B, C, D
-    f = compiled.f
+    f = of_model.f
     z, (down, up) = np.concatenate([np.ravel(each) for each in point]), np.reshape(sides, (-1, 2)).T
     moves = down | up
     if not moves[A.shape[1] :].all():  # a state that only held inputs reach stays, too: a prefilter of a set-point
@@ -140,7 +140,7 @@ def linear_model(
         stays = down & up & ~np.concatenate([reached, moves[len(A) :]])
         down, up = down & ~stays, up & ~stays
     widths, first, second, moves_by = _moves(z, signals, down, up)
-    if _is_decided(compiled, z, moves_by):
+    if _takes_one_branch(of_model, z, moves_by):
         return A, B, C, D
     changes = _changes(f, z, widths, first, second, moves_by)
     least = _require_derivative(what, f, z, signals, changes, rows)
@@ -151,7 +151,7 @@ def linear_model(
 
 
 @dataclass(frozen=True, eq=False)
-class _Compiled:
+class _Derivatives:
     """Jacobians of a model, its results as one function f of one argument, and whether operations of f switch.
 
     `sides` returns for each of these the number whose value, or with `by_sign` whose sign, says which branch it takes;
@@ -167,7 +167,7 @@ class _Compiled:
 
 
 @lru_cache(maxsize=8)  # a Block or a plant is linearised at many points
-def _compiled(model: ca.Function) -> _Compiled:
+def _derivatives(model: ca.Function) -> _Derivatives:
     args = model.sx_in()
     results = model.call(args)
     exprs = [ca.densify(ca.jacobian(result, a)) for result in results for a in args[:2]]
@@ -178,10 +178,10 @@ def _compiled(model: ca.Function) -> _Compiled:
     by_sign = np.array([op in BY_SIGN for op, _ in switches], dtype=bool)
     jacobians, none = ca.Function("jacobians", args, exprs), np.zeros((len(switches), z.numel()), dtype=bool)
     if ca.OP_CALL in operations or not all(op in SIDES for op, _ in switches):
-        return _Compiled(jacobians, f, bool(switches), None, by_sign, none)
+        return _Derivatives(jacobians, f, bool(switches), None, by_sign, none)
     sides = ca.Function("sides", f.sx_in(), [ca.densify(ca.vcat([SIDES[op](term) for op, term in switches]))])
     depends = np.array(ca.DM(sides.jac_sparsity(0, 0), 1)).astype(bool) if switches else none
-    return _Compiled(jacobians, f, bool(switches), sides, by_sign, depends)
+    return _Derivatives(jacobians, f, bool(switches), sides, by_sign, depends)
 
 
 def _moves(
@@ -198,14 +198,14 @@ def _moves(
     return widths, first, second, D
 
 
-def _is_decided(compiled: _Compiled, z: Array, D: Array) -> bool:
+def _takes_one_branch(of_model: _Derivatives, z: Array, D: Array) -> bool:
     """Tell whether all operations that switch take one branch, at z and beside it: f has CasADi's derivative there."""
-    if compiled.sides is None:
+    if of_model.sides is None:
         return False
     at = z[:, None] + np.column_stack([np.zeros(len(z)), 2 * NEAR * D])
-    sides = column_maps.map_columns(compiled.sides, at)[0]
-    sides = np.where(compiled.by_sign[:, None], np.sign(sides), sides)
-    tied = compiled.by_sign & (sides[:, 0] == 0) & compiled.depends[:, D.any(axis=1)].any(axis=1)
+    sides = column_maps.map_columns(of_model.sides, at)[0]
+    sides = np.where(of_model.by_sign[:, None], np.sign(sides), sides)
+    tied = of_model.by_sign & (sides[:, 0] == 0) & of_model.depends[:, D.any(axis=1)].any(axis=1)
     return bool((sides == sides[:, :1]).all() and not tied.any())
 
 

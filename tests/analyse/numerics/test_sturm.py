@@ -21,7 +21,7 @@ def product(*zeros: int | complex) -> flint.fmpz_poly:
     return P
 
 
-def drawn(seed: int) -> tuple[flint.fmpz_poly, flint.fmpz_poly]:
+def random_parts(seed: int) -> tuple[flint.fmpz_poly, flint.fmpz_poly]:
     """Return the real and the imaginary part of a polynomial with coefficients of many sizes."""
     rng = np.random.default_rng(seed)
     degree = int(rng.integers(2, 31))
@@ -32,16 +32,16 @@ def drawn(seed: int) -> tuple[flint.fmpz_poly, flint.fmpz_poly]:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_counts_are_those_of_all_complex_zeros(seed: int) -> None:
-    real, imaginary = drawn(seed)
+    real, imaginary = random_parts(seed)
     with precise.precision(128):
-        zeros: list[tuple[Any, int]] = list(real.complex_roots())
+        zeros: Any = real.complex_roots()
         turned: list[Any] = (flint.acb_poly(real) + flint.acb(0, 1) * flint.acb_poly(imaginary)).roots()
     assert sturm.count_right_half_plane(real, NONE) == sum(count for z, count in zeros if z.real > 0)
     assert sturm.count_right_half_plane(real, imaginary) == sum(z.real > 0 for z in turned)
     positive = sorted(float(z.real) for z, _ in zeros if z.imag == 0 and z.real > 0)
-    found = sturm.positive_zeros(real, 128)
-    assert found is not None
-    assert [float(z) for z in found] == positive
+    zeros_of_product = sturm.positive_zeros(real, 128)
+    assert zeros_of_product is not None
+    assert [float(z) for z in zeros_of_product] == positive
 
 
 def test_zeros_on_the_axis_and_repeated_zeros_beside_it() -> None:
@@ -54,9 +54,9 @@ def test_zeros_on_the_axis_and_repeated_zeros_beside_it() -> None:
 
 def test_positive_zeros_close_to_each_other_repeated_and_at_the_ends_of_the_range() -> None:
     close = flint.fmpz_poly([-(10**12), 10**12]) * flint.fmpz_poly([-(10**12 + 1), 10**12])  # 1 and 1 + 1e-12
-    found = sturm.positive_zeros(close * product(0, 0, 7, 7, -3, 1 + 1j), 128)
-    assert found is not None
-    assert np.allclose([float(z) for z in found], [1.0, 1 + 1e-12, 7.0], rtol=1e-15, atol=0)
+    zeros_of_product = sturm.positive_zeros(close * product(0, 0, 7, 7, -3, 1 + 1j), 128)
+    assert zeros_of_product is not None
+    assert np.allclose([float(z) for z in zeros_of_product], [1.0, 1 + 1e-12, 7.0], rtol=1e-15, atol=0)
     assert sturm.positive_zeros(product(-1, -2, 1 + 1j), 128) == []
     assert sturm.positive_zeros(NONE, 128) == []
     wide = sturm.positive_zeros(product(10**30) * flint.fmpz_poly([-1, 10**30]), 128)
