@@ -58,7 +58,9 @@ def survey(stage: Stage) -> Survey | None:
     if stage.loops:
         return _own_loops(stage.loops(stage))
     loops, at_rest = _at_rest(stage)
-    nominal, varied = ([rest for rest in at_rest if (rest.case == robustness.NOMINAL) == is_nominal] for is_nominal in (True, False))
+    nominal, varied = (
+        [rest for rest in at_rest if (rest.case == robustness.NOMINAL) == is_nominal] for is_nominal in (True, False)
+    )
     surveys = [
         robustness.survey(loops, loops.groups, nominal),
         robustness.survey(loops, {AT_ONCE: loops.groups[AT_ONCE]}, varied),

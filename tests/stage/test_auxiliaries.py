@@ -382,7 +382,7 @@ def test_the_machines_of_a_study_tell_their_payload(rig: Rig, announcing: Rig) -
     loaded = table.z["payload"] > 0
     assert loaded.any() and not loaded.all() and not table.errors and not without.errors
     assert (without.passed == ~loaded).all()
-    # z rests at -(true - announced mass) g / (announced P), which an announced payload leaves to the tolerance of m alone
+    # z rests at -(true - announced mass) g / (announced P): an announced payload leaves it to the tolerance of m alone
     rests = 0.05 * np.abs(table.z["m"]) * M * G / ((M + loaded) * P)
     np.testing.assert_allclose(table.checks["hold_z_ref: largest |e_z|"], rests, rtol=0.02, atol=1e-9)
     assert study.estimate_yield(table).share == 1.0
