@@ -21,14 +21,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
+from scipy.linalg import lapack
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MAX_ELIMINATION_STATES = 10  # states: below, elimination at each point takes less time than the Schur form
 MAX_ELIMINATION_POINTS = 16  # points: below, the same
+WORK = 66  # rows of the workspace of LAPACK's dgees, for blocks of 64 reflectors
 ROWS = 32  # of T in one block of the triangular solution
 ENTRIES = 2**16  # of the states at the points of one chunk: 1 MB, which stays in the processor's cache
 REFINED_CHUNKS = 8  # chunks whose inexact solutions are refined together
@@ -101,7 +102,7 @@ class Schur:
 
 def schur(A: Array) -> Schur:
     """Return the real Schur form of A (n, n)."""
-    T, U = scipy.linalg.schur(A, check_finite=False) if len(A) else (A, A)
+    T, U = _real_schur(A) if len(A) else (A, A)
     poles = np.diagonal(T).astype(np.complex128)
     pairs = np.flatnonzero(np.diagonal(T, -1))
     # LAPACK leaves equal diagonals a in a 2 x 2 block and off-diagonals b c < 0: its poles are a +- i sqrt(-b c).
@@ -113,11 +114,19 @@ def schur(A: Array) -> Schur:
     return Schur(T, U, poles, (*edges, len(A)))
 
 
+def _real_schur(A: Array) -> tuple[Array, Array]:
+    """Return T and U of A = U T U'; `scipy.linalg.schur`, which takes longer than LAPACK itself for a small A."""
+    T, _, _, _, U, _, info = lapack.dgees(lambda *_: 0, A, lwork=WORK * len(A), sort_t=0)
+    if info:
+        raise np.linalg.LinAlgError("the Schur form was not found: the iteration did not converge")
+    return T, U
+
+
 def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
     """Return A, B, C in states scaled by powers of two that make the rows and columns of A of similar size."""
     if not len(A):
         return A, B, C
-    A, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
+    A, _, _, scale, _ = lapack.dgebal(A, scale=1, permute=0)
     return A, B / scale[:, None], C * scale
 
 
@@ -147,6 +156,13 @@ def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
     for part in _chunks(len(left), REFINED_CHUNKS * ENTRIES // B.size):
         M[left[part]] = _solve_with_refinement(form, A, B, C, v[left[part]]) + D
     return M
+
+
+def at_points(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
+    """Return C (v I - A)^-1 B (k, p, m) by the Schur form of A, or at a few points of a small model by elimination."""
+    if len(v) <= MAX_ELIMINATION_POINTS and 0 < len(A) <= 2 * MAX_ELIMINATION_STATES:
+        return _direct(A, B, C, v)
+    return _product(C @ form.U, form.solve(v, (form.U.T @ B)[:, :, None])).transpose(2, 0, 1)
 
 
 def _two_responses(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> tuple[Complex, NDArray[np.bool_]]:

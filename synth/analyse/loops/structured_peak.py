@@ -15,6 +15,7 @@ another point, until none remains. If a point there exceeds the peak, it becomes
 little because two singular values meet, the level rises step by step.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,9 @@ from synth.statespace import Array, Complex, StateSpace
 
 Interval = tuple[float, float]
 GRID_TOLERANCE, FINAL_TOLERANCE = 1e-2, 1e-8  # relative, of coarse bounds and of those at the points that decide
+GRID = np.linspace(0.0, 1.0, 120)
 AT_ONCE = 8  # bounds that are minimised together: so many take little longer than one
+CLIMBS, RISE = 2, 1e-7  # rounds towards the peak, and the least relative rise of one that another follows
 # (count, e): number of eigenvalue problems for the level (1 + e) peak before the next e is used.
 LEVELS = ((4, 1e-6), (4, 1e-5), (4, 1e-4), (48, 1e-3), (16, 1e-2), (16, 1e-1))
 
@@ -81,7 +84,8 @@ class _Points:
 def _points(M: SchurResponse, frequencies: Array) -> _Points:
     response = M.at(frequencies)
     upper = ssv.upper(response, GRID_TOLERANCE)
-    return _Points(frequencies, response, upper.value, upper.scaling, np.zeros(len(frequencies), dtype=bool))
+    is_scalar = response.shape[1:] == (1, 1)  # whose bound is exact
+    return _Points(frequencies, response, upper.value, upper.scaling, np.full(len(frequencies), is_scalar))
 
 
 def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
@@ -95,7 +99,7 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
     top = points.highest(points.w >= 0)
     level, certified = _prove(M, points) if certify else (float(points.bound[top]), False)
     highest = _highest(points)
-    level *= 1 + 2 * max(_rounding(M, points, k) for k in highest)
+    level *= 1 + 2 * _rounding(M, points, highest)
     best, at = ssv.Lower(-1.0, np.zeros(0, dtype=np.complex128)), 0
     enough = (1 - FINAL_TOLERANCE) * float(points.bound.max())
     for k in highest:
@@ -108,10 +112,10 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
     return Peak(level, certified, best.value, best.delta, float(w[at]), w[order], points.bound[order])
 
 
-def _rounding(M: SchurResponse, points: _Points, k: int) -> float:
-    """Return the relative rounding error of sigma_max(D M D^-1) at a point."""
-    error = M.error(float(points.w[k]), points.M[k])[None]
-    return float(ssv.gain(error, points.scaling[k])[0]) / max(float(points.bound[k]), 1e-300)
+def _rounding(M: SchurResponse, points: _Points, places: Sequence[int]) -> float:
+    """Return the largest relative rounding error of sigma_max(D M D^-1) at points."""
+    gains = ssv.gain(M.error(points.w[places], points.M[places]), points.scaling[places])
+    return float((gains / np.maximum(points.bound[places], 1e-300)).max())
 
 
 def grid(poles: Complex) -> Array:
@@ -121,22 +125,40 @@ def grid(poles: Complex) -> Array:
     size = np.abs(poles)
     low, high = 1e-3 * max(float(size.min()), 1e-12 * float(size.max())), 1e3 * float(size.max())
     around = poles.imag[:, None] + np.abs(poles.real)[:, None] * np.array([-3.0, -1.0, -0.3, 0.0, 0.3, 1.0, 3.0])
-    w = np.unique(np.concatenate([np.geomspace(low, high, 120), around[around > low]]))
-    return np.concatenate([[0.0], w, [np.inf]])
+    return np.unique(np.concatenate([[0.0, np.inf], low * (high / low) ** GRID, around[around > low]]))
 
 
-def _climb(M: SchurResponse, points: _Points, rounds: int = 4) -> None:
-    """Add points around the highest one, closer each round."""
-    for _ in range(rounds):
+def _climb(M: SchurResponse, points: _Points) -> None:
+    """Add points around the highest one, closer each round, as long as the bound there rises."""
+    peak = 0.0
+    for _ in range(CLIMBS):
         k = points.highest(points.w >= 0)
-        w = points.w[k]
-        below, above = points.w[points.w < w].max(initial=0.0), points.w[points.w > w].min(initial=np.inf)
-        ends = [e for e in (below, above) if 0 < e < np.inf or (e == 0 and w > 0)]
-        if np.isinf(w) or not ends:
+        w, bound = points.w[k], points.bound[k]
+        if np.isinf(w) or bound <= (1 + RISE) * peak:
             return
-        new = np.concatenate([w + (e - w) * np.array([0.1, 0.3, 0.6]) for e in ends])
-        points.add(M, new[new != w])
-        points.refine(np.arange(len(points.w) - (new != w).sum(), len(points.w)))
+        peak = bound
+        order = np.argsort(points.w)
+        place = int(np.searchsorted(points.w[order], w))
+        sides = [int(i) for i in (*order[max(place - 1, 0) : place], *order[place + 1 : place + 2])]
+        ends = [points.w[i] for i in sides if np.isfinite(points.w[i]) and w > 0]
+        if not ends:
+            return
+        new = [w + (end - w) * np.array([0.1, 0.3, 0.6]) for end in ends]
+        if len(ends) == 2:
+            new.append(_vertex(points.w[[sides[0], k, sides[1]]], points.bound[[sides[0], k, sides[1]]]))
+        points.add(M, np.concatenate(new))
+        coarse = np.arange(len(points.w) - sum(map(len, new)), len(points.w))
+        if not points.fine[coarse].all():
+            points.refine(coarse)
+
+
+def _vertex(w: Array, bound: Array) -> Array:
+    """Return where the parabola through three points is highest, none where it is straight or that is a point."""
+    below, above = (bound[1] - bound[0]) / (w[1] - w[0]), (bound[2] - bound[1]) / (w[2] - w[1])
+    if not above < below:
+        return np.zeros(0)
+    vertex = (w[0] + w[1]) / 2 + below * (w[2] - w[0]) / (2 * (below - above))
+    return np.array([vertex]) if w[0] < vertex < w[2] and vertex != w[1] else np.zeros(0)
 
 
 def _highest(points: _Points, count: int = 3) -> list[int]:
@@ -208,5 +230,7 @@ def hamiltonian_eigenvalues(M: SchurResponse, x: Array, level: float) -> Complex
     A, B, C, D = M.A, M.B / d, M.C * d[:, None], M.D * d[:, None] / d
     n = len(A)
     K = np.linalg.solve(level**2 * np.eye(len(d)) - D.T @ D, np.hstack([D.T @ C, B.T]))
-    F, G, Q = A + B @ K[:, :n], B @ K[:, n:], C.T @ (C + D @ K[:, :n])
-    return np.asarray(np.linalg.eigvals(np.block([[F, G], [-Q, -F.T]])), dtype=np.complex128)
+    H = np.empty((2 * n, 2 * n))
+    F = np.add(A, B @ K[:, :n], out=H[:n, :n])
+    H[:n, n:], H[n:, :n], H[n:, n:] = B @ K[:, n:], -C.T @ (C + D @ K[:, :n]), -F.T
+    return np.asarray(np.linalg.eigvals(H), dtype=np.complex128)

@@ -60,10 +60,10 @@ class SchurResponse:
 
     def at(self, frequencies: Array) -> Complex:
         """Return M (k, p, m) at frequencies (k,) of s, which may include inf."""
-        w, U = np.where(np.isinf(frequencies), 0.0, frequencies), self.form.U
-        Z = self.form.solve(1j * w, (U.T @ self.B)[:, :, None])
-        strictly_proper = np.tensordot(self.C @ U, Z, 1).transpose(2, 0, 1)
-        return np.asarray(self.D + np.where(np.isinf(frequencies)[:, None, None], 0.0, strictly_proper))
+        infinite = np.isinf(frequencies)
+        M = self.D + resolvent.at_points(self.form, self.A, self.B, self.C, 1j * np.where(infinite, 0.0, frequencies))
+        M[infinite] = self.D
+        return M
 
     def unwarped(self, frequencies: Array) -> Array:
         """Return w in rad/s for frequencies of s."""
@@ -71,20 +71,19 @@ class SchurResponse:
             return frequencies
         return np.asarray(2 / self.model.time.period_s * np.arctan(frequencies))
 
-    def error(self, frequency: float, M: Complex) -> Complex:
-        """Return the error of the response M (p, m) at a frequency of s, relative to the original model."""
+    def error(self, frequencies: Array, M: Complex) -> Complex:
+        """Return the errors of the responses M (k, p, m) at frequencies (k,) of s, relative to the original model."""
         A, B, C, D = (getattr(self.model, letter).astype(np.longdouble) for letter in "ABCD")
-        continuous = isinstance(self.model.time, Continuous)
-        if not len(A) or (continuous and np.isinf(frequency)):
-            return np.zeros(D.shape, dtype=np.complex128)
-        s = 1j * np.longdouble(frequency) if np.isfinite(frequency) else np.clongdouble(0)
-        point = s if continuous else (1 + s) / (1 - s) if np.isfinite(frequency) else np.clongdouble(-1)
-        pencil = point * np.eye(len(A)) - A
-        inverse = np.linalg.inv(pencil.astype(np.complex128))
-        X = np.zeros(B.shape, dtype=np.clongdouble)
+        finite, continuous = np.isfinite(frequencies), isinstance(self.model.time, Continuous)
+        s = 1j * np.where(finite, frequencies, 0.0).astype(np.longdouble)
+        points = s if continuous else np.where(finite, (1 + s) / (1 - s), -1)
+        pencils = points[:, None, None] * np.eye(len(A)) - A
+        inverses = np.linalg.inv(pencils.astype(np.complex128))
+        X = np.zeros((len(points), *B.shape), dtype=np.clongdouble)
         for _ in range(4):
-            X = X + inverse @ (B - pencil @ X).astype(np.complex128)
-        return np.asarray(M - (C @ X + D), dtype=np.complex128)
+            X = X + inverses @ (B - pencils @ X).astype(np.complex128)
+        exact = np.where((finite | (not continuous))[:, None, None], C @ X + D, M)
+        return np.asarray(M - exact, dtype=np.complex128)
 
 
 def schur_response(model: StateSpace) -> SchurResponse:
