@@ -153,6 +153,9 @@ def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
         strictly_proper, agrees = _two_responses(form, A, B, C, v)
         M += strictly_proper
         left = left[~agrees]
+        if len(left) < MAX_ELIMINATION_POINTS:
+            M[left] = _direct(A, B, C, v[left]) + D
+            return M
     for part in _chunks(len(left), REFINED_CHUNKS * ENTRIES // B.size):
         M[left[part]] = _solve_with_refinement(form, A, B, C, v[left[part]]) + D
     return M
@@ -171,7 +174,7 @@ def _two_responses(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> tup
     scaled = schur(A * scale / scale[:, None]), B / scale[:, None], C * scale
     M, agrees = np.empty((len(v), len(C), B.shape[1]), dtype=np.complex128), np.zeros(len(v), dtype=bool)
     with np.errstate(all="ignore"):  # at a pole both are infinite, and do not agree
-        for part in _chunks(len(v), 2 * ENTRIES // B.size):
+        for part in _chunks(len(v), ENTRIES // B.size):
             first, second = (
                 _product(c @ f.U, f.solve(v[part], (f.U.T @ b)[:, :, None])) for f, b, c in ((form, B, C), scaled)
             )

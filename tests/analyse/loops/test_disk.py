@@ -234,3 +234,13 @@ def test_a_loop_without_gain_has_no_factors_to_show() -> None:
     """L = 0 with skew -1: f has no effect, whatever it is."""
     margin = disk.of_loop(([[-1.0]], [[0.0]], [[0.0]]), -1.0)
     assert np.isinf(margin.upper) and "no factors make the loop unstable" in str(margin)
+
+
+def test_a_parabola_leads_to_the_peak_and_to_no_other_point() -> None:
+    w = np.array([1.0, 1.7, 2.5])
+    assert np.allclose(structured_peak._vertex(w, 3 - (w - 2) ** 2), [2.0], rtol=1e-14)
+    for bound in (w, 1 + (w - 2) ** 2, 3 - (w - 1.7) ** 2, 3 - (w - 4) ** 2):  # straight, a valley, at a point, beyond
+        assert not len(structured_peak._vertex(w, bound))
+    oscillator = of(([[0, 1], [-1, -0.2]], [[0], [1]], [[1, 0]], [[0]]))
+    peak = structured_peak.over_frequency(oscillator)
+    assert peak.certified and np.isclose(peak.lower, 1 / (0.2 * np.sqrt(1 - 0.01)), rtol=1e-8)
