@@ -214,3 +214,13 @@ def test_a_division_by_a_parameter_that_is_zero_is_named() -> None:
     assert trim(moved, {}, ["F"])["F"] == pytest.approx(1.0)
     with pytest.raises(ModelError, match=r"division by a parameter that is 0: m$"):
         trim(moved.with_parameters(m=0.0), {}, ["F"])
+
+
+def test_near_an_equilibrium_its_branch_is_continued_and_elsewhere_searched() -> None:
+    square = toy(lambda x, u: {"q": x["v"], "v": u["F1"] ** 2 - 4 - x["q"]}, inputs=1)
+    far = trim(square, {"q": 0.0, "F1": -2.0}, [])
+    assert trim(square, {"q": 0.0}, ["F1"])["F1"] == pytest.approx(2.0)  # of two ties the larger
+    assert trim(square, {"q": 0.5}, ["F1"], far)["F1"] == pytest.approx(-np.sqrt(4.5))
+    hidden = toy(lambda x, u: {"q": x["v"], "v": u["F1"] ** 2 * (u["F1"] ** 2 - 9) + 10 - x["q"]}, inputs=1)
+    lost = OperatingPoint(np.zeros(2), np.zeros(1), hidden.values, 0.0, ("q", "v"), ("F1",))  # at a maximum of |f|
+    assert trim(hidden, {"q": 0.0}, ["F1"], lost).residual < 1e-8

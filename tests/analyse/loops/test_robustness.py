@@ -181,3 +181,16 @@ def test_time_constant_and_damping_are_those_of_the_slowest_and_the_least_dampin
     assert closed.least_damping == pytest.approx((30 / abs(s[1]), abs(s[1]) / (2 * np.pi)))
     grows = robustness.ClosedLoop("rest", np.exp(np.array([2.0 + 0j]) * T), T)
     assert not grows.is_stable and grows.slowest_s == np.inf and grows.least_damping[0] == pytest.approx(-1.0)
+
+
+def test_an_equilibrium_continued_from_the_first_case_is_that_of_the_whole_search() -> None:
+    varied = loops(cases=[robustness.NOMINAL, *robustness.corners(DESIGN.PLANT, ["M", "K"])])
+    rests = robustness.equilibria(varied)
+    assert [r.point for r in rests[:2]] == [*POINTS] and all(r.case == robustness.NOMINAL for r in rests[:2])
+    for rest in rests:
+        alone = robustness.equilibrium_at(varied, rest.point, rest.case)
+        assert rest.equilibrium is not None
+        np.testing.assert_allclose(rest.equilibrium.point.x, alone.point.x, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(rest.equilibrium.point.u, alone.point.u, rtol=1e-9, atol=1e-12)
+    closed = robustness.closed_loops(varied, rests[-1:])
+    assert [c.place for c in closed] == [rests[-1].label]

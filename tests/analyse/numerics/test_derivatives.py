@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from synth import block
 from synth.analyse.loops import loop
+from synth.analyse.numerics import derivatives
 from synth.analyse.operating_points import OperatingPoint, linearise
 from synth.block import Block, State, Step
 from synth.errors import ModelError
@@ -203,3 +205,29 @@ def test_a_state_that_only_a_held_input_reaches_does_not_move(reads: str, moves:
         model = loop.linearise_block(forward, {}, rest, ["r"])
         np.testing.assert_array_equal(model.D, [[-1.0]])
         np.testing.assert_array_equal(model.A[0], [0.9, 0.0])
+
+
+def test_a_point_that_takes_one_branch_has_the_slopes_that_its_directions_have(monkeypatch: pytest.MonkeyPatch) -> None:
+    def force(z: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
+        limited = ca.fmin(ca.fmax(3 * z - v, -0.5), 0.5)
+        return ca.if_else(z > 0.1, limited * u, ca.fabs(v) * z) + ca.floor(4 * u) * z
+
+    plant, decisions = mass(force), []
+    takes_one_branch = derivatives._takes_one_branch
+
+    def recorded(*args: Any) -> bool:
+        decisions.append(takes_one_branch(*args))
+        return decisions[-1]
+
+    monkeypatch.setattr(derivatives, "_takes_one_branch", recorded)
+    places = np.random.default_rng(5).uniform(-0.9, 0.9, (20, 3)).tolist()
+    quick = [at(plant, force, *place) for place in places]
+    assert all(decisions)
+    monkeypatch.setattr(derivatives, "_takes_one_branch", lambda *_: False)
+    for model, place in zip(quick, places, strict=True):
+        np.testing.assert_allclose(model.A, at(plant, force, *place).A, rtol=1e-12, atol=1e-12)
+    monkeypatch.setattr(derivatives, "_takes_one_branch", recorded)
+    for kink in ({"z": 0.1, "v": 0.3, "u": 0.2}, {"z": -0.5, "v": 0.0}, {"z": 0.5, "v": 0.1, "u": 0.5}):
+        with pytest.raises(ModelError):
+            at(plant, force, **kink)
+    assert not any(decisions[-3:])
