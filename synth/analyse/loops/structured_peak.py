@@ -30,6 +30,7 @@ Interval = tuple[float, float]
 GRID_TOLERANCE, FINAL_TOLERANCE = 1e-2, 1e-8  # relative, of coarse bounds and of those at the points that decide
 GRID = np.linspace(0.0, 1.0, 120)
 AT_ONCE = 8  # bounds that are minimised together: so many take little longer than one
+CLEAR = 1e-3  # of the peak: a bound that is so far below it is low enough
 CLIMBS, RISE = 2, 1e-7  # rounds towards the peak, and the least relative rise of one that another follows
 # (count, e): number of eigenvalue problems for the level (1 + e) peak before the next e is used.
 LEVELS = ((4, 1e-6), (4, 1e-5), (4, 1e-4), (48, 1e-3), (16, 1e-2), (16, 1e-1))
@@ -61,9 +62,9 @@ class _Points:
     scaling: Array
     fine: NDArray[np.bool_]
 
-    def refine(self, places: NDArray[np.intp]) -> None:
-        """Minimise the bounds at points."""
-        upper = ssv.upper(self.M[places], FINAL_TOLERANCE)
+    def refine(self, places: NDArray[np.intp], enough: float = 0.0) -> None:
+        """Minimise the bounds at points, down to `enough`."""
+        upper = ssv.upper(self.M[places], FINAL_TOLERANCE, enough)
         self.bound[places], self.scaling[places], self.fine[places] = upper.value, upper.scaling, True
 
     def add(self, M: SchurResponse, frequencies: Array) -> None:
@@ -77,7 +78,7 @@ class _Points:
         places = np.flatnonzero(inside)
         while not self.fine[k := int(places[self.bound[places].argmax()])] and self.bound[k] >= above:
             candidates = places[~self.fine[places] & (self.bound[places] >= (1 - GRID_TOLERANCE) * self.bound[k])]
-            self.refine(candidates[np.argsort(-self.bound[candidates], kind="stable")[:AT_ONCE]])
+            self.refine(candidates[np.argsort(-self.bound[candidates], kind="stable")[:AT_ONCE]], above)
         return k
 
 
@@ -186,7 +187,7 @@ def _prove(M: SchurResponse, points: _Points) -> tuple[float, bool]:
         return 0.0, True  # M vanishes at more points than it has poles: M = 0
     for margin in (e for count, e in LEVELS for _ in range(count)):
         while True:
-            k = _highest_inside(M, points, undecided[-1], (1 - GRID_TOLERANCE) * peak)
+            k = _highest_inside(M, points, undecided[-1], (1 - CLEAR) * peak)
             if points.bound[k] <= peak:
                 break
             peak = float(points.bound[k])

@@ -73,19 +73,26 @@ def osborne_scaling(M: Complex, sweeps: int = 4) -> Array:
     return x
 
 
-def upper(M: Complex, tolerance: float = 1e-6) -> Upper:
-    """Return the least upper bound over D for each matrix of M (k, p, p), within a relative `tolerance`."""
+def upper(M: Complex, tolerance: float = 1e-6, enough: float = 0.0) -> Upper:
+    """Return the least upper bound over D for each matrix of M (k, p, p), within a relative `tolerance`.
+
+    A bound below `enough` is not minimised further.
+    """
     x = osborne_scaling(M) if M.shape[-1] > 1 else np.ones((len(M), M.shape[-1]))
     value = gain(M, x)
     if M.shape[-1] > 1:
         busy = np.flatnonzero(value > 0)
-        x[busy], relative = _central_path(M[busy] / value[busy, None, None], x[busy], tolerance)
+        scale = value[busy]
+        x[busy], relative = _central_path(M[busy] / scale[:, None, None], x[busy], tolerance, (enough / scale) ** 2)
         value[busy] *= relative
     return Upper(value, x)
 
 
-def _central_path(M: Complex, x: Array, tolerance: float) -> tuple[Array, Array]:
-    """Return the best x and its sigma_max along the central path; M (k, p, p), gains near 1."""
+def _central_path(M: Complex, x: Array, tolerance: float, enough: Array) -> tuple[Array, Array]:
+    """Return the best x and its sigma_max along the central path, until its square is below `enough` (k,).
+
+    M (k, p, p) has gains near 1.
+    """
     near = max(2 * tolerance / M.shape[-1], 1e-10)
     best, least, busy = x.copy(), np.full(len(M), np.inf), np.arange(len(M))
     last, t, centred = x, np.full(len(M), np.inf), np.zeros(len(M), dtype=bool)
@@ -102,7 +109,7 @@ def _central_path(M: Complex, x: Array, tolerance: float) -> tuple[Array, Array]
         centred = (decrement < CENTRED_DECREMENT) & ~outside
         following = np.where(outside[:, None], np.sqrt(last * x), x * np.exp(step))
         last = np.where(outside[:, None], last, x)
-        stay = ~centred | (t > least[busy] * (1 + near))
+        stay = (~centred | (t > least[busy] * (1 + near))) & (least[busy] >= enough[busy])
         busy, x, last, t, centred = busy[stay], following[stay], last[stay], t[stay], centred[stay]
         if not len(busy):
             break
