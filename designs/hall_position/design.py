@@ -27,6 +27,13 @@ def verify(of: stage.Stage, progress: Callable[[str], None], whole: bool) -> Any
     return verification.verify(progress, whole)
 
 
+def runs() -> Sequence[Any]:
+    """Return the experiments; they are imported here, since an import of the design simulates nothing."""
+    from designs.hall_position import experiments
+
+    return experiments.ALL
+
+
 def stimuli() -> Any:
     """Return the recorded and random inputs of an estimator, which closes no loop."""
     from designs.hall_position import stimuli
@@ -76,6 +83,7 @@ DESIGN = stage.design(
         )
         for name in protected.PLACES
     ],
+    runs=runs,
     verify=verify,
     stimuli=stimuli,
     audit=audit,

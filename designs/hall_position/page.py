@@ -23,7 +23,7 @@ def contents(quoted: Mapping[str, Any], results: Results) -> Extra:
     return Extra(
         {**equations, **blocks},
         [standard.audit(results.rows, ()), studies(quoted)],
-        omitted=(standard.MODEL, standard.LAW, standard.GAINS, standard.LOOPS, standard.EXPERIMENTS),
+        omitted=(standard.MODEL, standard.LAW, standard.GAINS, standard.LOOPS),
         facts=(("law", "GLSDC, Fig. 9, five corrections a sample"),),
     )
 

@@ -3,8 +3,9 @@
     e = R(yaw) V - a B,   N = H'H + P,   d <- d + N^-1 (H'e - P (o + d)),   a the amplitude, P its prior
 
 The Jacobian H is that of the prediction. Sensor k at fault: its two residuals are left out, by X = N^-1 H_k' and
-S = 1 - H_k X. The test, the protection levels, the sweep of starts and the track follow from these. An exclusion
-during which another hypothesis has passed, with a level above its limit, is doubted until no sensor is excluded.
+S = 1 - H_k X. The test, the protection levels, the sweep of starts and the track follow from these. A hypothesis that
+has passed during an exclusion counts in the levels until its own solution, not the linear one, has failed: while a
+level is above its limit, every other sample solves for such a competing one, and the track goes on by its motion.
 
 Sources: Kawato and Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors",
 section 3.B; Brown, "A Baseline GPS RAIM Scheme", Navigation 39 (1992).
@@ -23,6 +24,7 @@ from designs.hall_position.reference_glsdc import Array, Columns, Setup, wrap
 UNKNOWNS = ("phase_x", "phase_y", "yaw", "amplitude")
 CONVERGENCE, WEAK, RANGE = 0.1, 1e-5, 500.0
 DETECTABLE, ROUNDING, LEVEL_RANGE = 1e-3, 1e-5, 100.0
+REFUTED = 2.0
 
 
 @dataclass(frozen=True)
@@ -180,14 +182,15 @@ def passes(setup: Setup, of: Hypotheses, excluded: Array) -> Array:
     return np.asarray(passing | in_use)
 
 
-def levels(setup: Setup, of: Hypotheses, fitted: Fit, excluded: Array) -> Array:
-    """Return the protection levels (N, 3) of both phases and the yaw."""
+def levels(setup: Setup, of: Hypotheses, fitted: Fit, excluded: Array, plausible: Array) -> Array:
+    """Return the protection levels (N, 3) of both phases and the yaw, over `plausible` hypotheses (N, sensors)."""
     _, noncentrality, k, _ = limits_of(setup)
     s, three = scale(setup), slice(0, 3)
     detected = s * np.sqrt(noncentrality * of.added.max(axis=1)) + k * fitted.deviations
-    passing = passes(setup, of, excluded)[:, :, None]
-    difference = np.where(passing, np.abs(of.step[:, None] - of.moves - fitted.at[:, None]), 0).max(axis=1)
-    separated = difference + k * s * np.sqrt(of.variances + np.where(passing, of.added, 0).max(axis=1))
+    counts = plausible[:, :, None]
+    difference = np.where(counts, np.abs(of.step[:, None] - of.moves - fitted.at[:, None]), 0).max(axis=1)
+    separated = difference + k * s * np.sqrt(of.variances + np.where(counts, of.added, 0).max(axis=1))
+    separated *= setup.overbound
     level = np.where(excluded[:, None] == 0, detected, separated)[:, three]
     high = LEVEL_RANGE * limits(setup)
     return np.minimum(np.where(of.detectable[:, None], level, high), high)
@@ -205,7 +208,8 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     next, word = reference_guard.advance(setup, states, held, refused)
     screened, rejected, counts = reference_track.screen(setup, states, held, refused)
     x = reference_guard.estimator_states(states)
-    excluded = np.where(rejected > 0, rejected, x["excluded"])
+    trial = (x["competing"] > 0) & (rejected == 0)
+    excluded = np.where(rejected > 0, rejected, np.where(trial, x["competing"], x["excluded"]))
     start = np.stack([x[n] for n in UNKNOWNS], axis=1)
     start[:, :3] += np.stack([x[f"motion_{n}"] for n in UNKNOWNS[:3]], axis=1)
     start[:, :2] = wrap(start[:, :2])[0]
@@ -215,21 +219,35 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     fitted, of = fit(setup, start, held, used), hypotheses(setup, start, held)
     test, _, _, limit = limits_of(setup)
     s = scale(setup)
-    level = levels(setup, of, fitted, excluded)
-    accepted = screened & ~fitted.weak & of.in_range & (fitted.cost <= np.where(excluded == 0, test, limit) * s**2)
+    passing = passes(setup, of, excluded)
+    remembered = np.stack([x[f"plausible_{n}"] for n in sensors], axis=1) > 0
+    level = levels(setup, of, fitted, excluded, passing | remembered)
     share = np.where(excluded == 0, 1.0, setup.excluded_limits)[:, None]
     within = of.detectable & (level <= share * limits(setup)).all(axis=1)
-    ambiguous = (passes(setup, of, excluded).sum(axis=1) > 1) & ~within
-    doubted = (excluded > 0) & (rejected == 0) & ((x["doubted"] > 0) | ambiguous)
+    passed = screened & ~fitted.weak & of.in_range & (fitted.cost <= np.where(excluded == 0, test, limit) * s**2)
     best = np.where(of.cost <= test * s**2, 0, 1 + of.costs.argmin(axis=1))
+    contested = (excluded > 0) & (rejected == 0) & ((passing | remembered).sum(axis=1) > 1) & ~within
+    doubted = trial | contested
+    low, high, _ = ranges(setup)
     pose = start + fitted.at
     pose[:, :2] = wrap(pose[:, :2])[0]
-    low, high, _ = ranges(setup)
     pose[:, 2:] = np.clip(pose[:, 2:], low[2:], high[2:])
+    pose = np.where(trial[:, None], start, pose)
     complete = (excluded == 0) | (not setup.all_sensors)
-    sample = reference_track.Sample(start, pose, fitted.at, fitted.converged, accepted, complete, best, doubted)
+    accepted = passed & ~trial
+    watched = np.where(trial, x["excluded"], best)
+    sample = reference_track.Sample(start, pose, fitted.at, fitted.converged, accepted, complete, watched)
     after, tracking, lost = reference_track.advance(setup, x, sample)
-    valid = fitted.converged & accepted & within & ~doubted & tracking & ~lost
+    valid = fitted.converged & accepted & within & tracking & ~lost
+    refuted = trial & (fitted.cost > REFUTED * limit * s**2)
+    keeps = tracking & (watched > 0) & (excluded > 0) & (rejected == 0)
+    for j, n in enumerate(sensors):
+        kept = np.where(trial, remembered[:, j] & ~(refuted & (x["competing"] == n)), passing[:, j] | remembered[:, j])
+        after[f"plausible_{n}"] = keeps & kept
+    competing_costs = np.where(remembered & ~passing, of.costs, 0.0)
+    after["competing"] = (
+        keeps * (contested & ~trial & (competing_costs > 0).any(axis=1)) * (1 + competing_costs.argmax(axis=1))
+    )
     position, after_metres = reference_track.metres(setup, states, pose, tracking)
     valid &= (np.abs(np.stack([after_metres[f"metres_pitch_{a}"] for a in "xy"])) <= setup.pitches).all(axis=0)
     output = position | {"yaw": pose[:, 2], "amplitude": pose[:, 3], "protection_yaw": level[:, 2]}
@@ -238,6 +256,11 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
         output |= {n: output[n] / setup.wave_number for n in (f"deviation_{axis}", f"protection_{axis}")}
     output |= {f"deviation_{n}": fitted.deviations[:, i] for i, n in ((2, "yaw"), (3, "amplitude"))}
     output |= {"chi_square": fitted.cost / s**2, "converged": fitted.converged, "weak": fitted.weak, "valid": valid}
-    output |= {"excluded": excluded, "doubted": doubted, "tracking": tracking, "lost": lost}
+    output |= {
+        "excluded": np.where(trial, x["excluded"], excluded),
+        "doubted": doubted,
+        "tracking": tracking,
+        "lost": lost,
+    }
     next |= counts | after_metres | {f"{reference_guard.PREFIX}{n}": v for n, v in after.items()}
     return next, {n: 1.0 * v for n, v in output.items()}, word

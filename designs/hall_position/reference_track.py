@@ -16,7 +16,7 @@ SEARCHED = ("phase_x", "phase_y", "yaw")
 class Sample:
     """A sample: prediction, pose and displacement (N, 4), whether it has converged and is accepted, next exclusion.
 
-    `complete`: with all the sensors that a sweep needs. `doubted`: another sensor than the excluded one may be faulty.
+    `complete`: with all the sensors that a sweep needs.
     """
 
     start: Array
@@ -26,7 +26,6 @@ class Sample:
     accepted: Array
     complete: Array
     best: Array
-    doubted: Array
 
 
 def screen(setup: Setup, states: Columns, held: Array, refused: Array) -> tuple[Array, Array, dict[str, Array]]:
@@ -71,7 +70,6 @@ def advance(setup: Setup, x: Columns, sample: Sample) -> tuple[dict[str, Array],
     missed = np.minimum(x["missed"] + 1, setup.patience)
     next |= {
         "excluded": tracking * sample.best,
-        "doubted": tracking * sample.doubted,
         "start_number": np.where(tracking, setup.starts, following),
         "candidates": (~tracking & (~last | unique)) * count,
         "age": (~tracking & ~ends) * np.minimum(x["age"] + 1, setup.dwell - 1),

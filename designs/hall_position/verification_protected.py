@@ -43,7 +43,17 @@ MAX_NEAR = 0.005  # share of steps where rounding may decide
 NEAR = 1e-7  # relative change of the voltages
 SINGLE, SINGLE_YAW, SINGLE_LEVEL, OTHER_DECISIONS = 1e-7, 1e-5, 1e-3, 0.01  # m, rad, relative, share
 PERTURBED = {"phase_x": 0.3, "phase_y": 0.3, "yaw": 0.05, "motion_phase_x": 0.1, "motion_phase_y": 0.1}  # rad
-COUNTERS = ("start_number", "missed", "age", "candidates", "excluded")
+COUNTERS = (
+    "start_number",
+    "missed",
+    "age",
+    "candidates",
+    "excluded",
+    "competing",
+    "plausible_1",
+    "plausible_2",
+    "plausible_3",
+)
 
 
 @dataclass(frozen=True, eq=False)

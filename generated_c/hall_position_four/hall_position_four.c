@@ -148,15 +148,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
 #endif
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
-    static const float largest_step_phase = 0.5f;               /* rad; correction of a sample at most; of x, y */
-    static const float largest_step_yaw = 0.1f;                 /* rad; correction of a sample at most */
     static const uint32_t starts = 24u;                         /* 1; of a sweep */
     static const float most_pitches = 8.0f;                     /* 1; counted to either side */
 
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->samples += 1u;
-        diagnostics->saturated = 0u;
     }
 #endif
     /* guard: range acceptance, hold, latch
@@ -307,6 +304,14 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
      *         dx_part_doubled, dy_part_doubled
      *     bx_part_full = limit(bx_part_doubled * (1 - 0.125 * sines_2_bx^2), 1.001); likewise by_part_full,
      *         cx_part_full, cy_part_full, dx_part_full, dy_part_full
+     *     plausible_1_next = keeps and (plausible_1 and not (refuted and x_excluded == 1) if x_trial, else
+     *         passing_1 or plausible_1) if tracking, else 0
+     *     plausible_2_next = keeps and (plausible_2 and not (refuted and x_excluded == 2) if x_trial, else
+     *         passing_2 or plausible_2) if tracking, else 0
+     *     plausible_3_next = keeps and (plausible_3 and not (refuted and x_excluded == 3) if x_trial, else
+     *         passing_3 or plausible_3) if tracking, else 0
+     *     plausible_4_next = keeps and (plausible_4 and not (refuted and x_excluded == 4) if x_trial, else
+     *         now) if tracking, else 0
      *     start_number_next = starts if tracking, else (starts if unique, else (0 if last, else (last_start if
      *         last_start <= start_number, else start_number + ends)))
      *     missed_next = (0 if accepted and not lost, else (missed if lost, else missed + 1)) if tracking, else
@@ -337,6 +342,8 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     static const float least_pivot_amplitude = 0.07565f; /* V^2; channel_variance / sigma^2, sigma = 0.2, the largest */
     static const float least_separability = 0.001f;             /* 1; below it a fault looks like a motion */
     static const float largest_mixing = 31.622776f;             /* 1; bound of the factors of a group's separability */
+    static const float largest_step_phase = 0.5f;               /* rad; correction of a sample at most; of x, y */
+    static const float largest_step_yaw = 0.1f;                 /* rad; correction of a sample at most */
     static const float largest_step_amplitude = 0.125f;         /* 1; correction of a sample at most */
     static const float highest_amplitude = 1.25f;               /* 1; end of its range */
     static const float lowest_amplitude = 0.75f;                /* 1; end of its range */
@@ -373,6 +380,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     static const float cancellation = 1e-05f;                   /* 1; relative error of a cost by rounding */
     static const float hypothesis_cost = 0.053650968f;          /* V^2; hypothesis_threshold times channel_variance */
     static const float level_noise = 0.19147325f;               /* V; level_sigmas times channel_sigma */
+    static const float overbound = 1.25f; /* 1; factor on the protection levels while a group is excluded */
     /* rad; 100 times the limit: level that is reported at most; of x, y */
     static const float largest_level_phase = 61.842377f;
     static const float limit_phase = 0.61842376f;               /* rad; of a valid protection level; of x, y */
@@ -389,6 +397,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     static const float width_yaw = 0.41887903f;                 /* rad; width of its range */
     static const float largest_motion_phase = 0.5f;             /* rad; predicted change a sample at most; of x, y */
     static const float largest_motion_yaw = 0.1f;               /* rad; predicted change a sample at most */
+    static const float test_cost = 0.06207841f;                 /* V^2; test_threshold times channel_variance */
+    /* V^2; 2 times hypothesis_cost: of a competing hypothesis that is refuted */
+    static const float refuted_cost = 0.107301936f;
     /* V; alpha + 5 beta: of sin p in the field alpha sin p + beta sin 5p */
     static const float estimator_field_1 = 2.24906f;
     /* V; -20 beta: of sin^3 p in the field alpha sin p + beta sin 5p */
@@ -525,99 +536,104 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float sines_2_dy = 8.0f * dy_part_doubled_product;
     const float dy_part_full = dy_part_doubled * (1.0f - (0.125f * (sines_2_dy * sines_2_dy)));
     /*@ admit -1.001f <= dy_part_full <= 1.001f; */
-    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const uint32_t estimator_competing = state->estimator_competing;
+    const bool x_certain = 0.0f < rejected;
+    const bool x_trial = (estimator_competing != 0u) && !x_certain;
     const float estimator_amplitude = state->estimator_amplitude;
-    const float phase_x_product = estimator_amplitude * estimator_field_1;
+    const float phase_x_sum = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
     const float ax_part_full_squared = ax_part_full * ax_part_full;
+    const float rows_1_4 = ax_part_full * (estimator_field_1 +
+        (ax_part_full_squared * (estimator_field_3 + (ax_part_full_squared * estimator_field_5))));
+    const float residuals_1_phase_x = phase_x_sum - (estimator_amplitude * rows_1_4);
+    const float phase_x_sum_2 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
+    const float ay_part_full_squared = ay_part_full * ay_part_full;
+    const float rows_2_4 = ay_part_full * (estimator_field_1 +
+        (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
+    const float residuals_2_phase_x = phase_x_sum_2 - (estimator_amplitude * rows_2_4);
+    const float phase_x_sum_3 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
+    const float bx_part_full_squared = bx_part_full * bx_part_full;
+    const float rows_3_4 = bx_part_full * (estimator_field_1 +
+        (bx_part_full_squared * (estimator_field_3 + (bx_part_full_squared * estimator_field_5))));
+    const float residuals_3_phase_x = phase_x_sum_3 - (estimator_amplitude * rows_3_4);
+    const float phase_x_sum_4 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
+    const float by_part_full_squared = by_part_full * by_part_full;
+    const float rows_4_4 = by_part_full * (estimator_field_1 +
+        (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
+    const float residuals_4_phase_x = phase_x_sum_4 - (estimator_amplitude * rows_4_4);
+    const float phase_x_sum_5 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
+    const float cx_part_full_squared = cx_part_full * cx_part_full;
+    const float rows_5_4 = cx_part_full * (estimator_field_1 +
+        (cx_part_full_squared * (estimator_field_3 + (cx_part_full_squared * estimator_field_5))));
+    const float residuals_5_phase_x = phase_x_sum_5 - (estimator_amplitude * rows_5_4);
+    const float phase_x_sum_6 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
+    const float cy_part_full_squared = cy_part_full * cy_part_full;
+    const float rows_6_4 = cy_part_full * (estimator_field_1 +
+        (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
+    const float residuals_6_phase_x = phase_x_sum_6 - (estimator_amplitude * rows_6_4);
+    const float phase_x_sum_7 = (cos_yaw * V_dx_held) - (sin_yaw * V_dy_held);
+    const float dx_part_full_squared = dx_part_full * dx_part_full;
+    const float rows_7_4 = dx_part_full * (estimator_field_1 +
+        (dx_part_full_squared * (estimator_field_3 + (dx_part_full_squared * estimator_field_5))));
+    const float residuals_7_phase_x = phase_x_sum_7 - (estimator_amplitude * rows_7_4);
+    const float phase_x_sum_8 = (cos_yaw * V_dy_held) + (sin_yaw * V_dx_held);
+    const float dy_part_full_squared = dy_part_full * dy_part_full;
+    const float rows_8_4 = dy_part_full * (estimator_field_1 +
+        (dy_part_full_squared * (estimator_field_3 + (dy_part_full_squared * estimator_field_5))));
+    const float residuals_8_phase_x = phase_x_sum_8 - (estimator_amplitude * rows_8_4);
+    const float offsets_4_phase_x = estimator_amplitude - 1.0f;
+    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const float phase_x_product = estimator_amplitude * estimator_field_1;
     const float phase_x_product_2 = 3.0f * (estimator_amplitude * estimator_field_3);
     const float phase_x_product_3 = estimator_amplitude * estimator_field_5;
     const float rows_1_1 = start_cosine_ax * (phase_x_product +
         (ax_part_full_squared * (phase_x_product_2 + (5.0f * (ax_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
-    const float rows_1_4 = ax_part_full * (estimator_field_1 +
-        (ax_part_full_squared * (estimator_field_3 + (ax_part_full_squared * estimator_field_5))));
-    const float residuals_1_phase_x = phase_x_sum - (estimator_amplitude * rows_1_4);
     const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
-    const float bx_part_full_squared = bx_part_full * bx_part_full;
     const float rows_3_1 = start_cosine_bx * (phase_x_product +
         (bx_part_full_squared * (phase_x_product_2 + (5.0f * (bx_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_2 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
-    const float rows_3_4 = bx_part_full * (estimator_field_1 +
-        (bx_part_full_squared * (estimator_field_3 + (bx_part_full_squared * estimator_field_5))));
-    const float residuals_3_phase_x = phase_x_sum_2 - (estimator_amplitude * rows_3_4);
     const float start_cosine_cx = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
-    const float cx_part_full_squared = cx_part_full * cx_part_full;
     const float rows_5_1 = start_cosine_cx * (phase_x_product +
         (cx_part_full_squared * (phase_x_product_2 + (5.0f * (cx_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_3 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
-    const float rows_5_4 = cx_part_full * (estimator_field_1 +
-        (cx_part_full_squared * (estimator_field_3 + (cx_part_full_squared * estimator_field_5))));
-    const float residuals_5_phase_x = phase_x_sum_3 - (estimator_amplitude * rows_5_4);
     const float start_cosine_dx = 1.0f - (0.5f * (dx_part_doubled * dx_part_doubled));
-    const float dx_part_full_squared = dx_part_full * dx_part_full;
     const float rows_7_1 = start_cosine_dx * (phase_x_product +
         (dx_part_full_squared * (phase_x_product_2 + (5.0f * (dx_part_full_squared * phase_x_product_3)))));
-    const float phase_x_sum_4 = (cos_yaw * V_dx_held) - (sin_yaw * V_dy_held);
-    const float rows_7_4 = dx_part_full * (estimator_field_1 +
-        (dx_part_full_squared * (estimator_field_3 + (dx_part_full_squared * estimator_field_5))));
-    const float residuals_7_phase_x = phase_x_sum_4 - (estimator_amplitude * rows_7_4);
     const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
         (rows_5_1 * residuals_5_phase_x) + (rows_7_1 * residuals_7_phase_x);
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1) +
         (rows_7_1 * rows_7_1);
     const float inverse_1 = 1.0f / hall_position_four_max(left_1_1, least_pivot_phase);
     const float phase_x_product_4 = gradient_1_phase_x * inverse_1;
-    const float phase_x_sum_5 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
-    const float rows_1_3 = phase_x_sum_5 + (rows_1_1 * (arm_a_y_times_cos_yaw - arm_a_x_times_sin_yaw));
-    const float phase_x_sum_6 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
-    const float rows_3_3 = phase_x_sum_6 + (rows_3_1 * (arm_b_y_times_cos_yaw - arm_b_x_times_sin_yaw));
-    const float phase_x_sum_7 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
-    const float rows_5_3 = phase_x_sum_7 + (rows_5_1 * (arm_c_y_times_cos_yaw - arm_c_x_times_sin_yaw));
-    const float phase_x_sum_8 = (cos_yaw * V_dy_held) + (sin_yaw * V_dx_held);
-    const float rows_7_3 = phase_x_sum_8 + (rows_7_1 * ((-arm_d_y * cos_yaw) - arm_d_x_times_sin_yaw));
-    const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1) +
-        (rows_7_3 * rows_7_1);
-    const float lower_3_1 = hall_position_four_limit(left_3_1 * inverse_1, largest_L_yaw_phase);
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
-    const float ay_part_full_squared = ay_part_full * ay_part_full;
     const float rows_2_2 = start_cosine_ay * (phase_x_product +
         (ay_part_full_squared * (phase_x_product_2 + (5.0f * (ay_part_full_squared * phase_x_product_3)))));
-    const float minus_rows_2_3 = phase_x_sum - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
-    const float rows_2_4 = ay_part_full * (estimator_field_1 +
-        (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
-    const float residuals_2_phase_x = phase_x_sum_5 - (estimator_amplitude * rows_2_4);
     const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
-    const float by_part_full_squared = by_part_full * by_part_full;
     const float rows_4_2 = start_cosine_by * (phase_x_product +
         (by_part_full_squared * (phase_x_product_2 + (5.0f * (by_part_full_squared * phase_x_product_3)))));
-    const float minus_rows_4_3 = phase_x_sum_2 - (rows_4_2 * (arm_b_y_times_sin_yaw + arm_b_x_times_cos_yaw));
-    const float rows_4_4 = by_part_full * (estimator_field_1 +
-        (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
-    const float residuals_4_phase_x = phase_x_sum_6 - (estimator_amplitude * rows_4_4);
     const float start_cosine_cy = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
-    const float cy_part_full_squared = cy_part_full * cy_part_full;
     const float rows_6_2 = start_cosine_cy * (phase_x_product +
         (cy_part_full_squared * (phase_x_product_2 + (5.0f * (cy_part_full_squared * phase_x_product_3)))));
-    const float minus_rows_6_3 = phase_x_sum_3 - (rows_6_2 * (arm_c_y_times_sin_yaw + arm_c_x_times_cos_yaw));
-    const float rows_6_4 = cy_part_full * (estimator_field_1 +
-        (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
-    const float residuals_6_phase_x = phase_x_sum_7 - (estimator_amplitude * rows_6_4);
     const float start_cosine_dy = 1.0f - (0.5f * (dy_part_doubled * dy_part_doubled));
-    const float dy_part_full_squared = dy_part_full * dy_part_full;
     const float rows_8_2 = start_cosine_dy * (phase_x_product +
         (dy_part_full_squared * (phase_x_product_2 + (5.0f * (dy_part_full_squared * phase_x_product_3)))));
-    const float minus_rows_8_3 = phase_x_sum_4 - (rows_8_2 * (arm_d_x_times_cos_yaw - arm_d_y_times_sin_yaw));
-    const float rows_8_4 = dy_part_full * (estimator_field_1 +
-        (dy_part_full_squared * (estimator_field_3 + (dy_part_full_squared * estimator_field_5))));
-    const float residuals_8_phase_x = phase_x_sum_8 - (estimator_amplitude * rows_8_4);
-    const float minus_left_3_2 = (minus_rows_2_3 * rows_2_2) + (minus_rows_4_3 * rows_4_2) +
-        (minus_rows_6_3 * rows_6_2) + (minus_rows_8_3 * rows_8_2);
+    const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
+        (rows_6_2 * residuals_6_phase_x) + (rows_8_2 * residuals_8_phase_x);
     const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2) +
         (rows_8_2 * rows_8_2);
     const float inverse_2 = 1.0f / hall_position_four_max(left_2_2_phase_x, least_pivot_phase);
+    const float phase_x_product_5 = gradient_2_phase_x * inverse_2;
+    const float rows_1_3 = phase_x_sum_2 + (rows_1_1 * (arm_a_y_times_cos_yaw - arm_a_x_times_sin_yaw));
+    const float minus_rows_2_3 = phase_x_sum - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
+    const float rows_3_3 = phase_x_sum_4 + (rows_3_1 * (arm_b_y_times_cos_yaw - arm_b_x_times_sin_yaw));
+    const float minus_rows_4_3 = phase_x_sum_3 - (rows_4_2 * (arm_b_y_times_sin_yaw + arm_b_x_times_cos_yaw));
+    const float rows_5_3 = phase_x_sum_6 + (rows_5_1 * (arm_c_y_times_cos_yaw - arm_c_x_times_sin_yaw));
+    const float minus_rows_6_3 = phase_x_sum_5 - (rows_6_2 * (arm_c_y_times_sin_yaw + arm_c_x_times_cos_yaw));
+    const float rows_7_3 = phase_x_sum_8 + (rows_7_1 * ((-arm_d_y * cos_yaw) - arm_d_x_times_sin_yaw));
+    const float minus_rows_8_3 = phase_x_sum_7 - (rows_8_2 * (arm_d_x_times_cos_yaw - arm_d_y_times_sin_yaw));
+    const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1) +
+        (rows_7_3 * rows_7_1);
+    const float lower_3_1 = hall_position_four_limit(left_3_1 * inverse_1, largest_L_yaw_phase);
+    const float minus_left_3_2 = (minus_rows_2_3 * rows_2_2) + (minus_rows_4_3 * rows_4_2) +
+        (minus_rows_6_3 * rows_6_2) + (minus_rows_8_3 * rows_8_2);
     const float lower_3_2 = hall_position_four_limit(-(minus_left_3_2 * inverse_2), largest_L_yaw_phase);
-    const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
-        (rows_6_2 * residuals_6_phase_x) + (rows_8_2 * residuals_8_phase_x);
     const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (minus_rows_2_3 * residuals_2_phase_x) +
         (rows_3_3 * residuals_3_phase_x) - (minus_rows_4_3 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
         (minus_rows_6_3 * residuals_6_phase_x) + (rows_7_3 * residuals_7_phase_x) -
@@ -627,7 +643,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (rows_7_3 * rows_7_3) + (minus_rows_8_3 * minus_rows_8_3);
     const float inverse_3 = 1.0f / hall_position_four_max(left_3_3_phase_x - (lower_3_1 * left_3_1) +
         (lower_3_2 * minus_left_3_2), least_pivot_yaw);
-    const float phase_x_product_5 = forward_3_phase_x * inverse_3;
+    const float phase_x_product_6 = forward_3_phase_x * inverse_3;
     const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1) +
         (rows_7_4 * rows_7_1);
     const float lower_4_1 = hall_position_four_limit(left_4_1 * inverse_1, largest_L_amplitude_phase);
@@ -638,7 +654,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         (rows_4_4 * minus_rows_4_3) + (rows_5_4 * rows_5_3) - (rows_6_4 * minus_rows_6_3) + (rows_7_4 * rows_7_3) -
         (rows_8_4 * minus_rows_8_3) - (lower_4_1 * left_3_1) + (lower_4_2 * minus_left_3_2);
     const float lower_4_3 = hall_position_four_limit(left_4_3_phase_x * inverse_3, largest_L_amplitude_yaw);
-    const float offsets_4_phase_x = estimator_amplitude - 1.0f;
     const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
         (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
         (rows_6_4 * residuals_6_phase_x) + (rows_7_4 * residuals_7_phase_x) + (rows_8_4 * residuals_8_phase_x) -
@@ -650,134 +665,189 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float diagonal_4 = 1.0f / hall_position_four_max(left_4_4_phase_x - (lower_4_1 * left_4_1) -
         (lower_4_2 * left_4_2) - (lower_4_3 * left_4_3_phase_x), least_pivot_amplitude);
     const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
-    const float steps_3_phase_x = phase_x_product_5 - (lower_4_3 * steps_4_phase_x);
+    const float protection_phase_x_sum = (residuals_1_phase_x * residuals_1_phase_x) +
+        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
+        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
+        (residuals_6_phase_x * residuals_6_phase_x) + (residuals_7_phase_x * residuals_7_phase_x) +
+        (residuals_8_phase_x * residuals_8_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
+        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x * phase_x_product_5) +
+        (forward_3_phase_x * phase_x_product_6) + (forward_4_phase_x * steps_4_phase_x));
+    const float full_cost = hall_position_four_max(protection_phase_x_sum, 0.0f);
+    const float steps_3_phase_x = phase_x_product_6 - (lower_4_3 * steps_4_phase_x);
     const float steps_1_phase_x = phase_x_product_4 - (lower_3_1 * steps_3_phase_x) - (lower_4_1 * steps_4_phase_x);
-    const bool x_certain = 0.0f < rejected;
-    const uint32_t estimator_excluded = state->estimator_excluded;
-    const float excluded = hall_position_four_max((x_certain) ? rejected : (float)estimator_excluded, 0.0f);
-    const bool none_phase_x = excluded < 1.0f;
+    const float scores_1_phase_x = residuals_1_phase_x -
+        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
     const float rows_1_1_times_inverse_1 = rows_1_1 * inverse_1;
     const float b_3_phase_x = rows_1_3 - (lower_3_1 * rows_1_1);
     const float b_3_phase_x_times_inverse_3 = b_3_phase_x * inverse_3;
     const float b_4_phase_x = rows_1_4 - (lower_4_1 * rows_1_1) - (lower_4_3 * b_3_phase_x);
     const float moves_1_4_phase_x = b_4_phase_x * diagonal_4;
-    const float moves_1_3_phase_x = b_3_phase_x_times_inverse_3 - (lower_4_3 * moves_1_4_phase_x);
-    const float moves_1_1_phase_x = rows_1_1_times_inverse_1 - (lower_3_1 * moves_1_3_phase_x) -
-        (lower_4_1 * moves_1_4_phase_x);
     const float gains_1_phase_x = 1.0f / hall_position_four_max(1.0f - ((rows_1_1 * rows_1_1_times_inverse_1) +
         (b_3_phase_x * b_3_phase_x_times_inverse_3) + (b_4_phase_x * moves_1_4_phase_x)), least_separability);
-    const float scores_1_phase_x = residuals_1_phase_x -
-        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
+    const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
+    const float steps_2_phase_x = phase_x_product_5 - (lower_3_2 * steps_3_phase_x) - (lower_4_2 * steps_4_phase_x);
     const float minus_forward_3_phase_x = minus_rows_2_3 + (lower_3_2 * rows_2_2);
-    const float minus_weighted_3_phase_x = minus_forward_3_phase_x * inverse_3;
     const float forward_4_phase_x_2 = rows_2_4 - (lower_4_2 * rows_2_2) + (lower_4_3 * minus_forward_3_phase_x);
     const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
-    const float minus_move_3_phase_x = minus_weighted_3_phase_x + (lower_4_3 * weighted_4_phase_x);
+    const float minus_weighted_3_phase_x = minus_forward_3_phase_x * inverse_3;
     const float minus_S_2_1_phase_x = (weighted_4_phase_x * b_4_phase_x) - (minus_weighted_3_phase_x * b_3_phase_x);
     const float lower_2_1_phase_x = hall_position_four_limit(-(minus_S_2_1_phase_x * gains_1_phase_x), largest_mixing);
-    const float moves_2_1_phase_x = (lower_3_1 * minus_move_3_phase_x) - (lower_4_1 * weighted_4_phase_x) -
-        (lower_2_1_phase_x * moves_1_1_phase_x);
+    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
+        (minus_rows_2_3 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
     const float weighted_2_phase_x = rows_2_2 * inverse_2;
     const float gains_2_phase_x = 1.0f / hall_position_four_max(1.0f - ((rows_2_2 * weighted_2_phase_x) +
         (minus_forward_3_phase_x * minus_weighted_3_phase_x) + (forward_4_phase_x_2 * weighted_4_phase_x)) +
         (lower_2_1_phase_x * minus_S_2_1_phase_x), least_separability);
-    const float phase_x_product_6 = gradient_2_phase_x * inverse_2;
-    const float steps_2_phase_x = phase_x_product_6 - (lower_3_2 * steps_3_phase_x) - (lower_4_2 * steps_4_phase_x);
-    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
-        (minus_rows_2_3 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
-    const float minus_moves_2_3 = minus_move_3_phase_x + (lower_2_1_phase_x * moves_1_3_phase_x);
-    const float minus_moves_1_2 = (lower_3_2 * moves_1_3_phase_x) + (lower_4_2 * moves_1_4_phase_x);
-    const float moves_2_2_phase_x = weighted_2_phase_x + (lower_3_2 * minus_move_3_phase_x) -
-        (lower_4_2 * weighted_4_phase_x) + (lower_2_1_phase_x * minus_moves_1_2);
+    const float protection_phase_x_product_2 = scores_2_phase_x * gains_2_phase_x;
+    const float costs_1 = full_cost -
+        ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
+    const float protection_phase_x_sum_2 = hypothesis_cost + (cancellation * full_cost);
+    const uint32_t estimator_excluded = state->estimator_excluded;
+    const float excluded = hall_position_four_max((x_certain) ? rejected : (float)estimator_excluded, 0.0f);
+    const float scores_3 = residuals_3_phase_x -
+        ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
     const float rows_3_1_times_inverse_1 = rows_3_1 * inverse_1;
     const float b_3_phase_x_2 = rows_3_3 - (lower_3_1 * rows_3_1);
     const float phase_x_product_7 = b_3_phase_x_2 * inverse_3;
     const float b_4_phase_x_2 = rows_3_4 - (lower_4_1 * rows_3_1) - (lower_4_3 * b_3_phase_x_2);
     const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
-    const float moves_3_3 = phase_x_product_7 - (lower_4_3 * moves_3_4);
-    const float moves_3_1 = rows_3_1_times_inverse_1 - (lower_3_1 * moves_3_3) - (lower_4_1 * moves_3_4);
     const float gains_3 = 1.0f / hall_position_four_max(1.0f - ((rows_3_1 * rows_3_1_times_inverse_1) +
         (b_3_phase_x_2 * phase_x_product_7) + (b_4_phase_x_2 * moves_3_4)), least_separability);
-    const float scores_3 = residuals_3_phase_x -
-        ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
+    const float scores_3_times_gains_3 = scores_3 * gains_3;
     const float minus_forward_3_phase_x_2 = minus_rows_4_3 + (lower_3_2 * rows_4_2);
-    const float minus_weighted_3_phase_x_2 = minus_forward_3_phase_x_2 * inverse_3;
     const float forward_4_phase_x_3 = rows_4_4 - (lower_4_2 * rows_4_2) + (lower_4_3 * minus_forward_3_phase_x_2);
     const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
-    const float minus_move_3_phase_x_2 = minus_weighted_3_phase_x_2 + (lower_4_3 * weighted_4_phase_x_2);
+    const float minus_weighted_3_phase_x_2 = minus_forward_3_phase_x_2 * inverse_3;
     const float minus_S_2_1_phase_x_2 = (weighted_4_phase_x_2 * b_4_phase_x_2) -
         (minus_weighted_3_phase_x_2 * b_3_phase_x_2);
     const float lower_2_1_phase_x_2 = hall_position_four_limit(-(minus_S_2_1_phase_x_2 * gains_3), largest_mixing);
-    const float moves_4_1 = (lower_3_1 * minus_move_3_phase_x_2) - (lower_4_1 * weighted_4_phase_x_2) -
-        (lower_2_1_phase_x_2 * moves_3_1);
+    const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
+        (minus_rows_4_3 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
     const float weighted_2_phase_x_2 = rows_4_2 * inverse_2;
     const float gains_4 = 1.0f / hall_position_four_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) +
         (minus_forward_3_phase_x_2 * minus_weighted_3_phase_x_2) + (forward_4_phase_x_3 * weighted_4_phase_x_2)) +
         (lower_2_1_phase_x_2 * minus_S_2_1_phase_x_2), least_separability);
-    const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
-        (minus_rows_4_3 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
-    const float minus_moves_4_3 = minus_move_3_phase_x_2 + (lower_2_1_phase_x_2 * moves_3_3);
-    const float minus_moves_3_2 = (lower_3_2 * moves_3_3) + (lower_4_2 * moves_3_4);
-    const float moves_4_2 = weighted_2_phase_x_2 + (lower_3_2 * minus_move_3_phase_x_2) -
-        (lower_4_2 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * minus_moves_3_2);
+    const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
+    const float costs_2 = full_cost -
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
+    const float scores_5 = residuals_5_phase_x -
+        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
     const float rows_5_1_times_inverse_1 = rows_5_1 * inverse_1;
     const float b_3_phase_x_3 = rows_5_3 - (lower_3_1 * rows_5_1);
     const float phase_x_product_8 = b_3_phase_x_3 * inverse_3;
     const float b_4_phase_x_3 = rows_5_4 - (lower_4_1 * rows_5_1) - (lower_4_3 * b_3_phase_x_3);
     const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
-    const float moves_5_3 = phase_x_product_8 - (lower_4_3 * moves_5_4);
-    const float moves_5_1 = rows_5_1_times_inverse_1 - (lower_3_1 * moves_5_3) - (lower_4_1 * moves_5_4);
     const float gains_5 = 1.0f / hall_position_four_max(1.0f - ((rows_5_1 * rows_5_1_times_inverse_1) +
         (b_3_phase_x_3 * phase_x_product_8) + (b_4_phase_x_3 * moves_5_4)), least_separability);
-    const float scores_5 = residuals_5_phase_x -
-        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
+    const float scores_5_times_gains_5 = scores_5 * gains_5;
     const float minus_forward_3_phase_x_3 = minus_rows_6_3 + (lower_3_2 * rows_6_2);
-    const float minus_weighted_3_phase_x_3 = minus_forward_3_phase_x_3 * inverse_3;
     const float forward_4_phase_x_4 = rows_6_4 - (lower_4_2 * rows_6_2) + (lower_4_3 * minus_forward_3_phase_x_3);
     const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
-    const float minus_move_3_phase_x_3 = minus_weighted_3_phase_x_3 + (lower_4_3 * weighted_4_phase_x_3);
+    const float minus_weighted_3_phase_x_3 = minus_forward_3_phase_x_3 * inverse_3;
     const float minus_S_2_1_phase_x_3 = (weighted_4_phase_x_3 * b_4_phase_x_3) -
         (minus_weighted_3_phase_x_3 * b_3_phase_x_3);
     const float lower_2_1_phase_x_3 = hall_position_four_limit(-(minus_S_2_1_phase_x_3 * gains_5), largest_mixing);
-    const float moves_6_1 = (lower_3_1 * minus_move_3_phase_x_3) - (lower_4_1 * weighted_4_phase_x_3) -
-        (lower_2_1_phase_x_3 * moves_5_1);
+    const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
+        (minus_rows_6_3 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
     const float weighted_2_phase_x_3 = rows_6_2 * inverse_2;
     const float gains_6 = 1.0f / hall_position_four_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) +
         (minus_forward_3_phase_x_3 * minus_weighted_3_phase_x_3) + (forward_4_phase_x_4 * weighted_4_phase_x_3)) +
         (lower_2_1_phase_x_3 * minus_S_2_1_phase_x_3), least_separability);
-    const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
-        (minus_rows_6_3 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
-    const float minus_moves_6_3 = minus_move_3_phase_x_3 + (lower_2_1_phase_x_3 * moves_5_3);
-    const float minus_moves_5_2 = (lower_3_2 * moves_5_3) + (lower_4_2 * moves_5_4);
-    const float moves_6_2 = weighted_2_phase_x_3 + (lower_3_2 * minus_move_3_phase_x_3) -
-        (lower_4_2 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * minus_moves_5_2);
+    const float protection_phase_x_product_4 = scores_6_phase_x * gains_6;
+    const float costs_3 = full_cost -
+        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_product_4));
+    const float scores_7 = residuals_7_phase_x -
+        ((rows_7_1 * steps_1_phase_x) + (rows_7_3 * steps_3_phase_x) + (rows_7_4 * steps_4_phase_x));
     const float rows_7_1_times_inverse_1 = rows_7_1 * inverse_1;
     const float b_3_phase_x_4 = rows_7_3 - (lower_3_1 * rows_7_1);
     const float phase_x_product_9 = b_3_phase_x_4 * inverse_3;
     const float b_4_phase_x_4 = rows_7_4 - (lower_4_1 * rows_7_1) - (lower_4_3 * b_3_phase_x_4);
     const float moves_7_4 = b_4_phase_x_4 * diagonal_4;
-    const float moves_7_3 = phase_x_product_9 - (lower_4_3 * moves_7_4);
-    const float moves_7_1 = rows_7_1_times_inverse_1 - (lower_3_1 * moves_7_3) - (lower_4_1 * moves_7_4);
     const float gains_7 = 1.0f / hall_position_four_max(1.0f - ((rows_7_1 * rows_7_1_times_inverse_1) +
         (b_3_phase_x_4 * phase_x_product_9) + (b_4_phase_x_4 * moves_7_4)), least_separability);
-    const float scores_7 = residuals_7_phase_x -
-        ((rows_7_1 * steps_1_phase_x) + (rows_7_3 * steps_3_phase_x) + (rows_7_4 * steps_4_phase_x));
+    const float scores_7_times_gains_7 = scores_7 * gains_7;
     const float minus_forward_3_phase_x_4 = minus_rows_8_3 + (lower_3_2 * rows_8_2);
-    const float minus_weighted_3_phase_x_4 = minus_forward_3_phase_x_4 * inverse_3;
     const float forward_4_phase_x_5 = rows_8_4 - (lower_4_2 * rows_8_2) + (lower_4_3 * minus_forward_3_phase_x_4);
     const float weighted_4_phase_x_4 = forward_4_phase_x_5 * diagonal_4;
-    const float minus_move_3_phase_x_4 = minus_weighted_3_phase_x_4 + (lower_4_3 * weighted_4_phase_x_4);
+    const float minus_weighted_3_phase_x_4 = minus_forward_3_phase_x_4 * inverse_3;
     const float minus_S_2_1_phase_x_4 = (weighted_4_phase_x_4 * b_4_phase_x_4) -
         (minus_weighted_3_phase_x_4 * b_3_phase_x_4);
     const float lower_2_1_phase_x_4 = hall_position_four_limit(-(minus_S_2_1_phase_x_4 * gains_7), largest_mixing);
-    const float moves_8_1 = (lower_3_1 * minus_move_3_phase_x_4) - (lower_4_1 * weighted_4_phase_x_4) -
-        (lower_2_1_phase_x_4 * moves_7_1);
+    const float scores_8_phase_x = residuals_8_phase_x - ((rows_8_2 * steps_2_phase_x) -
+        (minus_rows_8_3 * steps_3_phase_x) + (rows_8_4 * steps_4_phase_x)) - (lower_2_1_phase_x_4 * scores_7);
     const float weighted_2_phase_x_4 = rows_8_2 * inverse_2;
     const float gain = 1.0f / hall_position_four_max(1.0f - ((rows_8_2 * weighted_2_phase_x_4) +
         (minus_forward_3_phase_x_4 * minus_weighted_3_phase_x_4) + (forward_4_phase_x_5 * weighted_4_phase_x_4)) +
         (lower_2_1_phase_x_4 * minus_S_2_1_phase_x_4), least_separability);
-    const float scores_8_phase_x = residuals_8_phase_x - ((rows_8_2 * steps_2_phase_x) -
-        (minus_rows_8_3 * steps_3_phase_x) + (rows_8_4 * steps_4_phase_x)) - (lower_2_1_phase_x_4 * scores_7);
+    const float scores_8_phase_x_times_gain = scores_8_phase_x * gain;
+    const float costs_4 = full_cost -
+        ((scores_7 * scores_7_times_gains_7) + (scores_8_phase_x * scores_8_phase_x_times_gain));
+    float x_excluded = (float)estimator_competing;
+    float estimator_excluded_choice = excluded;
+    if (!x_trial) {
+        x_excluded = excluded;
+        if (full_cost <= test_cost) {
+            estimator_excluded_choice = 0.0f;
+        } else {
+            const float costs_2_min_costs_1 = hall_position_four_min(costs_2, costs_1);
+            if (costs_4 < hall_position_four_min(costs_3, costs_2_min_costs_1)) {
+                estimator_excluded_choice = 4.0f;
+            } else {
+                estimator_excluded_choice = (costs_3 < costs_2_min_costs_1) ? 3.0f :
+                    ((costs_2 < costs_1) ? 2.0f : 1.0f);
+            }
+        }
+    }
+    const bool protection_phase_x_test = hall_position_four_equal(x_excluded, 1.0f);
+    const bool passing_1 = (costs_1 <= protection_phase_x_sum_2) || protection_phase_x_test;
+    const uint32_t estimator_plausible_1 = state->estimator_plausible_1;
+    const bool plausible_1 = passing_1 || (estimator_plausible_1 != 0u);
+    const bool protection_phase_x_test_2 = hall_position_four_equal(x_excluded, 2.0f);
+    const bool passing_2 = (costs_2 <= protection_phase_x_sum_2) || protection_phase_x_test_2;
+    const uint32_t estimator_plausible_2 = state->estimator_plausible_2;
+    const bool plausible_2 = passing_2 || (estimator_plausible_2 != 0u);
+    const bool protection_phase_x_test_3 = hall_position_four_equal(x_excluded, 3.0f);
+    const bool passing_3 = (costs_3 <= protection_phase_x_sum_2) || protection_phase_x_test_3;
+    const uint32_t estimator_plausible_3 = state->estimator_plausible_3;
+    const bool plausible_3 = passing_3 || (estimator_plausible_3 != 0u);
+    const bool protection_phase_x_test_4 = hall_position_four_equal(x_excluded, 4.0f);
+    const bool passing_4 = (costs_4 <= protection_phase_x_sum_2) || protection_phase_x_test_4;
+    const uint32_t estimator_plausible_4 = state->estimator_plausible_4;
+    const bool now = passing_4 || (estimator_plausible_4 != 0u);
+    const bool none_phase_x = x_excluded < 1.0f;
+    const float moves_1_3_phase_x = b_3_phase_x_times_inverse_3 - (lower_4_3 * moves_1_4_phase_x);
+    const float moves_1_1_phase_x = rows_1_1_times_inverse_1 - (lower_3_1 * moves_1_3_phase_x) -
+        (lower_4_1 * moves_1_4_phase_x);
+    const float minus_move_3_phase_x = minus_weighted_3_phase_x + (lower_4_3 * weighted_4_phase_x);
+    const float moves_2_1_phase_x = (lower_3_1 * minus_move_3_phase_x) - (lower_4_1 * weighted_4_phase_x) -
+        (lower_2_1_phase_x * moves_1_1_phase_x);
+    const float minus_moves_2_3 = minus_move_3_phase_x + (lower_2_1_phase_x * moves_1_3_phase_x);
+    const float minus_moves_1_2 = (lower_3_2 * moves_1_3_phase_x) + (lower_4_2 * moves_1_4_phase_x);
+    const float moves_2_2_phase_x = weighted_2_phase_x + (lower_3_2 * minus_move_3_phase_x) -
+        (lower_4_2 * weighted_4_phase_x) + (lower_2_1_phase_x * minus_moves_1_2);
+    const float moves_3_3 = phase_x_product_7 - (lower_4_3 * moves_3_4);
+    const float moves_3_1 = rows_3_1_times_inverse_1 - (lower_3_1 * moves_3_3) - (lower_4_1 * moves_3_4);
+    const float minus_move_3_phase_x_2 = minus_weighted_3_phase_x_2 + (lower_4_3 * weighted_4_phase_x_2);
+    const float moves_4_1 = (lower_3_1 * minus_move_3_phase_x_2) - (lower_4_1 * weighted_4_phase_x_2) -
+        (lower_2_1_phase_x_2 * moves_3_1);
+    const float minus_moves_4_3 = minus_move_3_phase_x_2 + (lower_2_1_phase_x_2 * moves_3_3);
+    const float minus_moves_3_2 = (lower_3_2 * moves_3_3) + (lower_4_2 * moves_3_4);
+    const float moves_4_2 = weighted_2_phase_x_2 + (lower_3_2 * minus_move_3_phase_x_2) -
+        (lower_4_2 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * minus_moves_3_2);
+    const float moves_5_3 = phase_x_product_8 - (lower_4_3 * moves_5_4);
+    const float moves_5_1 = rows_5_1_times_inverse_1 - (lower_3_1 * moves_5_3) - (lower_4_1 * moves_5_4);
+    const float minus_move_3_phase_x_3 = minus_weighted_3_phase_x_3 + (lower_4_3 * weighted_4_phase_x_3);
+    const float moves_6_1 = (lower_3_1 * minus_move_3_phase_x_3) - (lower_4_1 * weighted_4_phase_x_3) -
+        (lower_2_1_phase_x_3 * moves_5_1);
+    const float minus_moves_6_3 = minus_move_3_phase_x_3 + (lower_2_1_phase_x_3 * moves_5_3);
+    const float minus_moves_5_2 = (lower_3_2 * moves_5_3) + (lower_4_2 * moves_5_4);
+    const float moves_6_2 = weighted_2_phase_x_3 + (lower_3_2 * minus_move_3_phase_x_3) -
+        (lower_4_2 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * minus_moves_5_2);
+    const float moves_7_3 = phase_x_product_9 - (lower_4_3 * moves_7_4);
+    const float moves_7_1 = rows_7_1_times_inverse_1 - (lower_3_1 * moves_7_3) - (lower_4_1 * moves_7_4);
+    const float minus_move_3_phase_x_4 = minus_weighted_3_phase_x_4 + (lower_4_3 * weighted_4_phase_x_4);
+    const float moves_8_1 = (lower_3_1 * minus_move_3_phase_x_4) - (lower_4_1 * weighted_4_phase_x_4) -
+        (lower_2_1_phase_x_4 * moves_7_1);
     const float minus_moves_8_3 = minus_move_3_phase_x_4 + (lower_2_1_phase_x_4 * moves_7_3);
     const float minus_moves_7_2 = (lower_3_2 * moves_7_3) + (lower_4_2 * moves_7_4);
     const float moves_8_2 = weighted_2_phase_x_4 + (lower_3_2 * minus_move_3_phase_x_4) -
@@ -798,9 +868,9 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     bool phase_x_if_not_none_phase_x_4 = true;
     float moves_1_2_phase_x;
     float moves_2_2_phase_x_2;
-    if (excluded < 3.0f) {
-        const bool excluded_below_2 = excluded < 2.0f;
-        if (excluded_below_2) {
+    if (x_excluded < 3.0f) {
+        const bool x_excluded_below_2 = x_excluded < 2.0f;
+        if (x_excluded_below_2) {
             phase_x_if_not_none_phase_x = false;
             moves_1_1_phase_x_2 = moves_1_1_phase_x;
             gains_1_phase_x_2 = gains_1_phase_x;
@@ -828,10 +898,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             moves_1_2_phase_x = -minus_moves_3_2;
             moves_2_2_phase_x_2 = moves_4_2;
         }
-        phase_x_if_not_none_phase_x_2 = excluded_below_2;
+        phase_x_if_not_none_phase_x_2 = x_excluded_below_2;
     } else {
-        const bool excluded_below_4 = excluded < 4.0f;
-        if (excluded_below_4) {
+        const bool x_excluded_below_4 = x_excluded < 4.0f;
+        if (x_excluded_below_4) {
             phase_x_if_not_none_phase_x_3 = false;
             moves_1_1_phase_x_2 = moves_5_1;
             gains_1_phase_x_2 = gains_5;
@@ -859,7 +929,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             moves_1_2_phase_x = -minus_moves_7_2;
             moves_2_2_phase_x_2 = moves_8_2;
         }
-        phase_x_if_not_none_phase_x_4 = excluded_below_4;
+        phase_x_if_not_none_phase_x_4 = x_excluded_below_4;
     }
     float added_1_phase_x = 0.0f;
     bool weights_1 = true;
@@ -893,13 +963,13 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         added_4_deviation_amplitude = (gains_1_phase_x_2 * (moves_1_4_phase_x_2 * moves_1_4_phase_x_2)) +
             (gains_2_phase_x_2 * (moves_2_4_phase_x * moves_2_4_phase_x));
     }
-    const float best_1 = hall_position_four_limit(steps_1_phase_x + added_1_phase_x, largest_step_phase);
     const float best_3 = hall_position_four_limit(steps_3_phase_x + added_3_phase_x, largest_step_yaw);
     const float moved_3_2 = hall_position_four_limit(starts_3 + best_3, highest_yaw);
     const float cosine_argument = moved_3_2 * moved_3_2;
     const float turns_3_cosine = cosine_polynomial(cosine_argument);
     const float turns_3_sine = moved_3_2 * sine_polynomial(cosine_argument);
     const float limited_3_cosine = turns_3_cosine - cos_yaw;
+    const float best_1 = hall_position_four_limit(steps_1_phase_x + added_1_phase_x, largest_step_phase);
     const float limited_3_sine = hall_position_four_limit(turns_3_sine - sin_yaw, largest_step_yaw);
     const float best_4 = hall_position_four_limit(steps_4_phase_x + added_4_phase_x, largest_step_amplitude);
     const float phase_x_limited = hall_position_four_max(hall_position_four_min(estimator_amplitude + best_4,
@@ -1036,21 +1106,21 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         chi_square_choice_6 = residuals_7_phase_x_2 * residuals_7_phase_x_2;
         chi_square_choice_7 = residuals_8_phase_x_2 * residuals_8_phase_x_2;
     }
+    const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
     const float gradient_1_phase_x_2 = phase_x_choice + phase_x_choice_5 + phase_x_choice_11 + phase_x_choice_17;
     const float phase_x_product_12 = gradient_1_phase_x_2 * inverse_1;
+    const float gradient_2_phase_x_2 = phase_x_choice_3 + phase_x_choice_8 + phase_x_choice_14 + phase_x_choice_20;
+    const float phase_y_product = gradient_2_phase_x_2 * inverse_2;
     const float gradient_3_phase_x = phase_x_choice_2 + phase_x_choice_6 + phase_x_choice_7 + phase_x_choice_12 +
         phase_x_choice_13 + phase_x_choice_18 + phase_x_choice_19;
-    const float gradient_2_phase_x_2 = phase_x_choice_3 + phase_x_choice_8 + phase_x_choice_14 + phase_x_choice_20;
     const float forward_3_phase_x_2 = gradient_3_phase_x - (lower_3_1 * gradient_1_phase_x_2) -
         (lower_3_2 * gradient_2_phase_x_2);
     const float phase_x_product_13 = forward_3_phase_x_2 * inverse_3;
-    const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
     const float gradient_4_phase_x = phase_x_choice_4 + phase_x_choice_9 + phase_x_choice_10 + phase_x_choice_15 +
         phase_x_choice_16 + phase_x_choice_21 + phase_x_choice_22 - (prior_weight_amplitude * offsets_4_phase_x_2);
     const float forward_4_phase_x_6 = gradient_4_phase_x - (lower_4_1 * gradient_1_phase_x_2) -
         (lower_4_2 * gradient_2_phase_x_2) - (lower_4_3 * forward_3_phase_x_2);
     const float steps_4_phase_x_2 = forward_4_phase_x_6 * diagonal_4;
-    const float steps_3_phase_x_2 = phase_x_product_13 - (lower_4_3 * steps_4_phase_x_2);
     float added_1_phase_x_2 = 0.0f;
     float added_2_phase_y = 0.0f;
     float added_3_yaw = 0.0f;
@@ -1072,36 +1142,75 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         added_chi_square = (gains_1_phase_x_2 * (projections_1 * projections_1)) +
             (gains_2_phase_x_2 * (projections_2 * projections_2));
     }
+    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_12) + (gradient_2_phase_x_2 * phase_y_product)
+        + (forward_3_phase_x_2 * phase_x_product_13) + (forward_4_phase_x_6 * steps_4_phase_x_2) + added_chi_square;
+    const float cost_chi_square = hall_position_four_max(chi_square_choice + chi_square_choice_2 + chi_square_choice_3 +
+        chi_square_choice_4 + chi_square_choice_5 + chi_square_choice_6 + chi_square_choice_7 +
+        (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
+    const float steps_3_phase_x_2 = phase_x_product_13 - (lower_4_3 * steps_4_phase_x_2);
     const float moved_1 = hall_position_four_limit(best_1 + (phase_x_product_12 - (lower_3_1 * steps_3_phase_x_2) -
         (lower_4_1 * steps_4_phase_x_2) + added_1_phase_x_2), largest_step_phase);
-    const float starts_1_plus_moved_1 = starts_1 + moved_1;
-    float phase_x_choice_23 = starts_1_plus_moved_1;
-    if (pi < starts_1_plus_moved_1) {
-        phase_x_choice_23 = starts_1_plus_moved_1 - two_pi;
-    }
-    float phase_x_unlimited = phase_x_choice_23;
-    if (phase_x_choice_23 < -pi) {
-        phase_x_unlimited = phase_x_choice_23 + two_pi;
-    }
-    const float phase_x = hall_position_four_limit(phase_x_unlimited, pi);
-    const float phase_y_product = gradient_2_phase_x_2 * inverse_2;
     const float moved_2 = hall_position_four_limit(best_2 + (phase_y_product - (lower_3_2 * steps_3_phase_x_2) -
         (lower_4_2 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
-    const float starts_2_plus_moved_2 = starts_2 + moved_2;
-    float phase_y_choice = starts_2_plus_moved_2;
-    if (pi < starts_2_plus_moved_2) {
-        phase_y_choice = starts_2_plus_moved_2 - two_pi;
-    }
-    float phase_y_unlimited = phase_y_choice;
-    if (phase_y_choice < -pi) {
-        phase_y_unlimited = phase_y_choice + two_pi;
-    }
-    const float phase_y = hall_position_four_limit(phase_y_unlimited, pi);
     const float moved_3 = hall_position_four_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), largest_step_yaw);
-    const float yaw = hall_position_four_limit(starts_3 + moved_3, highest_yaw);
-    const float amplitude_unlimited = hall_position_four_min(estimator_amplitude + hall_position_four_limit(best_4 +
-        (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
-    const float amplitude = hall_position_four_max(amplitude_unlimited, lowest_amplitude);
+    float phase_x = starts_1;
+    float phase_y = starts_2;
+    float yaw = starts_3;
+    float amplitude = estimator_amplitude;
+    float motions_motion_phase_x = estimator_motion_phase_x;
+    float motions_motion_phase_y = estimator_motion_phase_y;
+    float motions_motion_yaw = estimator_motion_yaw;
+    bool estimator_plausible_1_test = plausible_1;
+    bool estimator_plausible_2_test = plausible_2;
+    bool estimator_plausible_3_test = plausible_3;
+    bool estimator_plausible_4_test = now;
+    if (x_trial) {
+        const bool refuted = x_trial && (refuted_cost < cost_chi_square);
+        estimator_plausible_1_test = (estimator_plausible_1 != 0u) && !(refuted && protection_phase_x_test);
+        estimator_plausible_2_test = (estimator_plausible_2 != 0u) && !(refuted && protection_phase_x_test_2);
+        estimator_plausible_3_test = (estimator_plausible_3 != 0u) && !(refuted && protection_phase_x_test_3);
+        estimator_plausible_4_test = (estimator_plausible_4 != 0u) && !(refuted && protection_phase_x_test_4);
+    } else {
+        const float starts_1_plus_moved_1 = starts_1 + moved_1;
+        float phase_x_choice_23 = starts_1_plus_moved_1;
+        if (pi < starts_1_plus_moved_1) {
+            phase_x_choice_23 = starts_1_plus_moved_1 - two_pi;
+        }
+        float phase_x_choice_24 = phase_x_choice_23;
+        if (phase_x_choice_23 < -pi) {
+            phase_x_choice_24 = phase_x_choice_23 + two_pi;
+        }
+        phase_x = hall_position_four_limit(phase_x_choice_24, pi);
+        const float starts_2_plus_moved_2 = starts_2 + moved_2;
+        float phase_y_choice = starts_2_plus_moved_2;
+        if (pi < starts_2_plus_moved_2) {
+            phase_y_choice = starts_2_plus_moved_2 - two_pi;
+        }
+        float phase_y_choice_2 = phase_y_choice;
+        if (phase_y_choice < -pi) {
+            phase_y_choice_2 = phase_y_choice + two_pi;
+        }
+        phase_y = hall_position_four_limit(phase_y_choice_2, pi);
+        yaw = hall_position_four_limit(starts_3 + moved_3, highest_yaw);
+        const float amplitude_limited = hall_position_four_min(estimator_amplitude + hall_position_four_limit(best_4 +
+            (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
+        amplitude = hall_position_four_max(amplitude_limited, lowest_amplitude);
+        if (fabsf(moved_1) < largest_step_phase) {
+            motions_motion_phase_x = estimator_motion_phase_x + (0.5f * moved_1);
+        } else {
+            motions_motion_phase_x = 0.0f;
+        }
+        if (fabsf(moved_2) < largest_step_phase) {
+            motions_motion_phase_y = estimator_motion_phase_y + (0.5f * moved_2);
+        } else {
+            motions_motion_phase_y = 0.0f;
+        }
+        if (fabsf(moved_3) < largest_step_yaw) {
+            motions_motion_yaw = estimator_motion_yaw + (0.5f * moved_3);
+        } else {
+            motions_motion_yaw = 0.0f;
+        }
+    }
     const float deviation_phase_x_sum = lower_4_1 - (lower_4_3 * lower_3_1);
     const float diagonal_1 = inverse_1 + (lower_3_1 * lower_3_1 * inverse_3) +
         (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
@@ -1118,11 +1227,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
     const float deviation_amplitude = hall_position_four_min(channel_sigma * sqrtf(variances_4),
         largest_deviation_amplitude);
-    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_12) + (gradient_2_phase_x_2 * phase_y_product)
-        + (forward_3_phase_x_2 * phase_x_product_13) + (forward_4_phase_x_6 * steps_4_phase_x_2) + added_chi_square;
-    const float cost_chi_square = hall_position_four_max(chi_square_choice + chi_square_choice_2 + chi_square_choice_3 +
-        chi_square_choice_4 + chi_square_choice_5 + chi_square_choice_6 + chi_square_choice_7 +
-        (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
     const float chi_square = hall_position_four_min(inverse_channel_variance * cost_chi_square, largest_chi_square);
     const bool converged = chi_square_sum <= decrease_tolerance;
     const bool factors_2 = (left_1_1 <= largest_information_phase) && (left_2_2_phase_x <= largest_information_phase) &&
@@ -1130,12 +1234,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const bool weak = !factors_2 || (weak_from_phase <= variances_1) || (weak_from_phase <= variances_2) ||
         (weak_from_yaw <= variances_3) || (weak_from_amplitude <= variances_4);
     const bool phases_valid_test = screened && !weak;
-    const bool none_protection_phase_x = hall_position_four_equal(excluded, 0.0f);
-    const float protection_phase_x_sum = (moves_1_1_phase_x * moves_1_1_phase_x * gains_1_phase_x) +
+    const bool none_protection_phase_x = hall_position_four_equal(x_excluded, 0.0f);
+    const float protection_phase_x_sum_3 = (moves_1_1_phase_x * moves_1_1_phase_x * gains_1_phase_x) +
         (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x);
-    const float protection_phase_x_sum_2 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
-    const float protection_phase_x_sum_3 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gains_6);
-    const float protection_phase_x_sum_4 = (moves_7_1 * moves_7_1 * gains_7) + (moves_8_1 * moves_8_1 * gain);
+    const float protection_phase_x_sum_4 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
+    const float protection_phase_x_sum_5 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gains_6);
+    const float protection_phase_x_sum_6 = (moves_7_1 * moves_7_1 * gains_7) + (moves_8_1 * moves_8_1 * gain);
     const float protection_phase_y_sum = (minus_moves_1_2 * minus_moves_1_2 * gains_1_phase_x) +
         (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x);
     const float protection_phase_y_sum_2 = (minus_moves_3_2 * minus_moves_3_2 * gains_3) +
@@ -1151,43 +1255,14 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float protection_yaw_sum_3 = (moves_5_3 * moves_5_3 * gains_5) +
         (minus_moves_6_3 * minus_moves_6_3 * gains_6);
     const float protection_yaw_sum_4 = (moves_7_3 * moves_7_3 * gains_7) + (minus_moves_8_3 * minus_moves_8_3 * gain);
-    const float protection_phase_x_sum_5 = (residuals_1_phase_x * residuals_1_phase_x) +
-        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
-        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
-        (residuals_6_phase_x * residuals_6_phase_x) + (residuals_7_phase_x * residuals_7_phase_x) +
-        (residuals_8_phase_x * residuals_8_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
-        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x * phase_x_product_6) +
-        (forward_3_phase_x * phase_x_product_5) + (forward_4_phase_x * steps_4_phase_x));
-    const float full_cost = hall_position_four_max(protection_phase_x_sum_5, 0.0f);
-    const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
-    const float protection_phase_x_product_2 = scores_2_phase_x * gains_2_phase_x;
-    const float costs_1 = full_cost -
-        ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
-    const float protection_phase_x_sum_6 = hypothesis_cost + (cancellation * full_cost);
-    const bool passing_1 = (costs_1 <= protection_phase_x_sum_6) || hall_position_four_equal(excluded, 1.0f);
-    const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
-    const float costs_2 = full_cost -
-        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
-    const bool passing_2 = (costs_2 <= protection_phase_x_sum_6) || hall_position_four_equal(excluded, 2.0f);
-    const float scores_5_times_gains_5 = scores_5 * gains_5;
-    const float protection_phase_x_product_4 = scores_6_phase_x * gains_6;
-    const float costs_3 = full_cost -
-        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * protection_phase_x_product_4));
-    const bool passing_3 = (costs_3 <= protection_phase_x_sum_6) || hall_position_four_equal(excluded, 3.0f);
-    const float scores_7_times_gains_7 = scores_7 * gains_7;
-    const float scores_8_phase_x_times_gain = scores_8_phase_x * gain;
-    const float costs_4 = full_cost -
-        ((scores_7 * scores_7_times_gains_7) + (scores_8_phase_x * scores_8_phase_x_times_gain));
-    const bool passing_4 = (costs_4 <= protection_phase_x_sum_6) || hall_position_four_equal(excluded, 4.0f);
     float limit = test_threshold;
     float protection_phase_x_choice;
     float protection_phase_y_choice;
     float level;
     if (none_protection_phase_x) {
         protection_phase_x_choice = (undetected *
-            sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_sum,
-            protection_phase_x_sum_2), protection_phase_x_sum_3), protection_phase_x_sum_4))) +
+            sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_x_sum_3,
+            protection_phase_x_sum_4), protection_phase_x_sum_5), protection_phase_x_sum_6))) +
             (level_sigmas * deviation_phase_x);
         protection_phase_y_choice = (undetected *
             sqrtf(hall_position_four_max(hall_position_four_max(hall_position_four_max(protection_phase_y_sum,
@@ -1202,12 +1277,12 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         const float protection_phase_y_sum_5 = steps_2_phase_x - moved_2;
         const float protection_yaw_sum_5 = steps_3_phase_x - moved_3;
         float apart_protection_phase_x = 0.0f;
-        float added_protection_phase_x = protection_phase_x_sum;
+        float added_protection_phase_x = protection_phase_x_sum_3;
         float apart_protection_phase_y = 0.0f;
         float added_protection_phase_y = protection_phase_y_sum;
         float apart_protection_yaw = 0.0f;
         float added_protection_yaw = protection_yaw_sum;
-        if (passing_1) {
+        if (plausible_1) {
             apart_protection_phase_x = fabsf(protection_phase_x_sum_7 - ((moves_1_1_phase_x *
                 protection_phase_x_product) + (moves_2_1_phase_x * protection_phase_x_product_2)));
             apart_protection_phase_y = fabsf(protection_phase_y_sum_5 -
@@ -1219,10 +1294,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             added_protection_phase_y = 0.0f;
             added_protection_yaw = 0.0f;
         }
-        if (passing_2) {
+        if (plausible_2) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_7 -
                 ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product_3))));
-            added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_2);
+            added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_4);
             apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_5 -
                 ((moves_4_2 * protection_phase_x_product_3) - (minus_moves_3_2 * scores_3_times_gains_3))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_sum_2);
@@ -1230,10 +1305,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 ((moves_3_3 * scores_3_times_gains_3) - (minus_moves_4_3 * protection_phase_x_product_3))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_sum_2);
         }
-        if (passing_3) {
+        if (plausible_3) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_7 -
                 ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * protection_phase_x_product_4))));
-            added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_3);
+            added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_5);
             apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_5 -
                 ((moves_6_2 * protection_phase_x_product_4) - (minus_moves_5_2 * scores_5_times_gains_5))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_sum_3);
@@ -1241,10 +1316,10 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 ((moves_5_3 * scores_5_times_gains_5) - (minus_moves_6_3 * protection_phase_x_product_4))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_sum_3);
         }
-        if (passing_4) {
+        if (now) {
             apart_protection_phase_x = hall_position_four_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_7 -
                 ((moves_7_1 * scores_7_times_gains_7) + (moves_8_1 * scores_8_phase_x_times_gain))));
-            added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_4);
+            added_protection_phase_x = hall_position_four_max(added_protection_phase_x, protection_phase_x_sum_6);
             apart_protection_phase_y = hall_position_four_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_5 -
                 ((moves_8_2 * scores_8_phase_x_times_gain) - (minus_moves_7_2 * scores_7_times_gains_7))));
             added_protection_phase_y = hall_position_four_max(added_protection_phase_y, protection_phase_y_sum_4);
@@ -1252,13 +1327,14 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 ((moves_7_3 * scores_7_times_gains_7) - (minus_moves_8_3 * scores_8_phase_x_times_gain))));
             added_protection_yaw = hall_position_four_max(added_protection_yaw, protection_yaw_sum_4);
         }
-        protection_phase_x_choice = apart_protection_phase_x +
-            (level_noise * sqrtf(diagonal_1 + added_protection_phase_x));
-        protection_phase_y_choice = apart_protection_phase_y +
-            (level_noise * sqrtf(diagonal_2 + added_protection_phase_y));
-        level = apart_protection_yaw + (level_noise * sqrtf(diagonal_3 + added_protection_yaw));
+        protection_phase_x_choice = overbound * (apart_protection_phase_x +
+            (level_noise * sqrtf(diagonal_1 + added_protection_phase_x)));
+        protection_phase_y_choice = overbound * (apart_protection_phase_y +
+            (level_noise * sqrtf(diagonal_2 + added_protection_phase_y)));
+        level = overbound * (apart_protection_yaw + (level_noise * sqrtf(diagonal_3 + added_protection_yaw)));
     }
-    const bool passes = factors_2 && (cost_chi_square <= (channel_variance * limit));
+    const bool decides = !x_trial;
+    const bool passes_phases_valid = factors_2 && (cost_chi_square <= (channel_variance * limit)) && decides;
     const bool detectable = (gains_1_phase_x < largest_gain) && (gains_2_phase_x < largest_gain) &&
         (gains_3 < largest_gain) && (gains_4 < largest_gain) && (gains_5 < largest_gain) && (gains_6 < largest_gain) &&
         (gains_7 < largest_gain) && (gain < largest_gain);
@@ -1270,19 +1346,14 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     const float protection_phase_x = hall_position_four_min(protection_phase_x_choice, largest_level_phase);
     const float protection_phase_y = hall_position_four_min(protection_phase_y_choice, largest_level_phase);
     const float protection_yaw = hall_position_four_min(level, largest_level_yaw);
-    const bool within_doubted = detectable && (protection_phase_x <= limit_phase) &&
-        (protection_phase_y <= limit_phase) && (protection_yaw <= limit_yaw);
-    const uint32_t estimator_doubted = state->estimator_doubted;
-    const uint32_t doubted_sum = hall_position_four_flag(passing_1) + hall_position_four_flag(passing_2) +
-        hall_position_four_flag(passing_3) + hall_position_four_flag(passing_4);
-    const bool doubted = !(none_protection_phase_x || x_certain) &&
-        ((estimator_doubted != 0u) || ((1u < doubted_sum) && !within_doubted));
+    const bool within = detectable && (protection_phase_x <= limit_phase) && (protection_phase_y <= limit_phase) &&
+        (protection_yaw <= limit_yaw);
     const uint32_t estimator_start_number = state->estimator_start_number;
     const bool tracking = starts <= estimator_start_number;
     const uint32_t estimator_missed = state->estimator_missed;
     const bool lost = track_patience <= estimator_missed;
     const bool phases_valid_test_2 = !lost;
-    const bool phases_valid = converged && phases_valid_test && passes && within_doubted && !doubted && tracking &&
+    const bool phases_valid = converged && phases_valid_test && passes_phases_valid && within && tracking &&
         phases_valid_test_2;
     out->yaw = yaw;
     out->amplitude = amplitude;
@@ -1293,10 +1364,15 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     out->converged = converged ? 1.0f : 0.0f;
     out->weak = weak ? 1.0f : 0.0f;
     out->excluded = excluded;
+    const bool uncertain = !(none_protection_phase_x || x_certain);
+    const uint32_t doubted_sum = hall_position_four_flag(plausible_1) + hall_position_four_flag(plausible_2) +
+        hall_position_four_flag(plausible_3) + hall_position_four_flag(now);
+    const bool contested = uncertain && (1u < doubted_sum) && !within;
+    const bool doubted = x_trial || contested;
     out->doubted = doubted ? 1.0f : 0.0f;
     out->tracking = tracking ? 1.0f : 0.0f;
     const uint32_t metres_counting = state->metres_counting;
-    const bool accepted = phases_valid_test && passes;
+    const bool accepted = phases_valid_test && passes_phases_valid;
     float X_choice = 0.0f;
     float Y_choice = 0.0f;
     float count_x = 0.0f;
@@ -1346,21 +1422,14 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         count_y = Y_if_tracking;
 
         /* estimator: weighted least squares (continued) */
-        static const float test_cost = 0.06207841f;             /* V^2; test_threshold times channel_variance */
         if (accepted) {
             state->estimator_phase_x = phase_x;
             state->estimator_phase_y = phase_y;
             state->estimator_yaw = yaw;
             state->estimator_amplitude = amplitude;
-            if (fabsf(moved_1) < largest_step_phase) {
-                tracked_2_motion_phase_x = estimator_motion_phase_x + (0.5f * moved_1);
-            }
-            if (fabsf(moved_2) < largest_step_phase) {
-                tracked_2_motion_phase_y = estimator_motion_phase_y + (0.5f * moved_2);
-            }
-            if (fabsf(moved_3) < largest_step_yaw) {
-                tracked_2_motion_yaw = estimator_motion_yaw + (0.5f * moved_3);
-            }
+            tracked_2_motion_phase_x = motions_motion_phase_x;
+            tracked_2_motion_phase_y = motions_motion_phase_y;
+            tracked_2_motion_yaw = motions_motion_yaw;
         } else {
             state->estimator_phase_x = starts_1;
             state->estimator_phase_y = starts_2;
@@ -1369,17 +1438,30 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
             tracked_2_motion_phase_y = estimator_motion_phase_y;
             tracked_2_motion_yaw = estimator_motion_yaw;
         }
-        float best = 0.0f;
-        if (!(full_cost <= test_cost)) {
-            const float costs_2_min_costs_1 = hall_position_four_min(costs_2, costs_1);
-            if (costs_4 < hall_position_four_min(costs_3, costs_2_min_costs_1)) {
-                best = 4.0f;
+        const float excluded_2 = hall_position_four_max(estimator_excluded_choice, 0.0f);
+        state->estimator_excluded = (uint32_t)excluded_2;
+        const bool keeps = uncertain && (0.0f < excluded_2);
+        state->estimator_plausible_1 = hall_position_four_flag(keeps && estimator_plausible_1_test);
+        state->estimator_plausible_2 = hall_position_four_flag(keeps && estimator_plausible_2_test);
+        state->estimator_plausible_3 = hall_position_four_flag(keeps && estimator_plausible_3_test);
+        state->estimator_plausible_4 = hall_position_four_flag(keeps && estimator_plausible_4_test);
+        if (keeps && contested && decides) {
+            const float failing_3 = ((estimator_plausible_3 != 0u) && !passing_3) ? costs_3 : 0.0f;
+            const float failing_2 = ((estimator_plausible_2 != 0u) && !passing_2) ? costs_2 : 0.0f;
+            const float failing_1 = ((estimator_plausible_1 != 0u) && !passing_1) ? costs_1 : 0.0f;
+            const float failing_2_max_failing_1 = hall_position_four_max(failing_2, failing_1);
+            if (hall_position_four_max(failing_3, failing_2_max_failing_1) <
+                    (((estimator_plausible_4 != 0u) && !passing_4) ? costs_4 : 0.0f)) {
+                state->estimator_competing = 4u;
+            } else if (failing_2_max_failing_1 < failing_3) {
+                state->estimator_competing = 3u;
             } else {
-                best = (costs_3 < costs_2_min_costs_1) ? 3.0f : ((costs_2 < costs_1) ? 2.0f : 1.0f);
+                state->estimator_competing = (uint32_t)((failing_1 < failing_2) ? 2.0f :
+                    ((0.0f < failing_1) ? 1.0f : 0.0f));
             }
+        } else {
+            state->estimator_competing = 0u;
         }
-        state->estimator_excluded = (uint32_t)hall_position_four_max(best, 0.0f);
-        state->estimator_doubted = hall_position_four_flag(doubted);
         state->estimator_start_number = starts;
         state->estimator_candidates = 0u;
         state->estimator_missed = (accepted && phases_valid_test_2) ? 0u :
@@ -1473,7 +1555,11 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
                 ((start_number_at_least_23) ? last_start : (estimator_start_number + hall_position_four_flag(ends)));
         }
         state->estimator_excluded = 0u;
-        state->estimator_doubted = 0u;
+        state->estimator_plausible_1 = 0u;
+        state->estimator_plausible_2 = 0u;
+        state->estimator_plausible_3 = 0u;
+        state->estimator_plausible_4 = 0u;
+        state->estimator_competing = 0u;
         state->estimator_candidates = (uint32_t)((!last || unique) ? count_2 : 0.0f);
         state->estimator_missed = 0u;
     }
@@ -1514,9 +1600,6 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
         diagnostics->protection_phase_x = protection_phase_x;
         diagnostics->protection_phase_y = protection_phase_y;
         diagnostics->phases_valid = phases_valid ? 1.0f : 0.0f;
-        diagnostics->saturated |= (fabsf(phase_x) >= pi) ? 0x00000001u : 0u;
-        diagnostics->saturated |= (fabsf(phase_y) >= pi) ? 0x00000002u : 0u;
-        diagnostics->saturated |= (fabsf(yaw) >= highest_yaw) ? 0x00000004u : 0u;
         diagnostics->faults = faults;
         if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = faults;

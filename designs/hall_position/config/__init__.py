@@ -3,15 +3,15 @@
 The field is that of the fabricated matrix at the sensors' height, from the blocks' remanences, times the chain's V/T.
 """
 
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache
-from math import degrees
+from math import pi
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from designs.hall_position.glsdc import channels, estimator, tracking
+from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Tuning
 from models import hall_array, hall_two_waves, papers
 from models.hall_array import Pair
@@ -36,6 +36,30 @@ UNPROTECTED = (
 )
 PLACES = PUBLISHED[:2]  # in pitches
 TUNING = Tuning()
+
+
+@dataclass(frozen=True)
+class ColdStart:
+    """What header and experiment ask of a body from `init` on: one revolution on a circle, within half a pitch.
+
+    Radius in m, speeds along the circle in m/s, yaw in degrees to either side; the least share of starts that are valid
+    within the revolution, and the largest of those that are if the body rests.
+    """
+
+    radius: float = 6e-3
+    slowest: float = 0.05
+    fastest: float = 0.2
+    yaw: float = 2.4
+    valid: float = 0.95
+    at_rest: float = 0.3
+
+    @property
+    def longest_s(self) -> float:
+        """The time of a revolution at the lowest speed, s."""
+        return 2 * pi * self.radius / self.slowest
+
+
+COLD_START = ColdStart()
 DIGITS = 6  # digits kept of the field, which makes it the same on every machine
 
 
@@ -69,8 +93,18 @@ def controller() -> Controller:
 
 def header_notes() -> list[str]:
     """Return the sentences of the C's header."""
-    yaw = degrees(tracking.valid_yaw_limit(TUNING))
-    return stage.read_header(Path(__file__).parents[1] / "header.md", yaw=yaw, paper=papers.KAWATO)
+    of = COLD_START
+    return stage.read_header(
+        Path(__file__).parents[1] / "header.md",
+        yaw=of.yaw,
+        radius=1e3 * of.radius,
+        slowest=1e3 * of.slowest,
+        fastest=1e3 * of.fastest,
+        longest=of.longest_s,
+        valid=100 * of.valid,
+        at_rest=100 * of.at_rest,
+        paper=papers.KAWATO,
+    )
 
 
 def block() -> Block:

@@ -95,6 +95,7 @@ def integrity(array: PlanarArray, tuning: Tuning) -> Integrity:
         groups=groups(array),
         screened=True,
         excluded_limits=tuning.excluded_limits,
+        overbound=tuning.overbound,
     )
 
 

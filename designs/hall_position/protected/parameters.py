@@ -33,6 +33,7 @@ class Tuning:
     position_limit: float = between(0, 5e-3, inf)
     yaw_limit: float = between(0, 0.22, inf)
     excluded_limits: float = between(0, 1.0, 1)  # factor on both limits while a sensor is excluded
+    overbound: float = between(0, 1.25, 10)  # factor on the levels while a sensor is excluded
     starts: int = between(1, 24, 1000)  # of a sweep
     dwell: int = between(1, 4, 1000)  # samples of a start
     all_sensors: bool = False  # a sweep accepts no solution with a sensor excluded

@@ -61,8 +61,8 @@ def voltages(bodies: int, seed: int = SEED, name: str = config.NAME) -> Numbers:
 
 
 def sequences(controller: host.Controller) -> list[Steps]:
-    """Return motions with each fault of FAULTS and each dead sensor, sweeps with a fault, excursions and exclusions in
-    doubt: for cost and coverage.
+    """Return motions with each fault of FAULTS and each dead sensor, sweeps with a fault, excursions, exclusions in
+    doubt and lost tracks: for cost and coverage.
     """
     V = voltages(len(FAULTS), name=str(controller.manifest["design"]))
     loops = [
@@ -85,17 +85,23 @@ def sequences(controller: host.Controller) -> list[Steps]:
     outputs = steps.evaluate(controller, tracking).outputs
     unavailable = np.flatnonzero((outputs["converged"] > 0) & (outputs["valid"] == 0))[-RANGE_END_STEPS:]
     doubted = steps.concatenate("doubted", [_in_doubt(controller, each) for each in (*loops, tracking)])
-    return [*loops, *sweeps, *excursions(controller, at_rest, loops), ends, tracking.part(unavailable), doubted]
+    valid = loops[0].part(np.flatnonzero(steps.evaluate(controller, loops[0]).outputs["valid"] > 0)[-RANGE_END_STEPS:])
+    states = valid.states.copy()
+    states["estimator_missed"] = config.TUNINGS[str(controller.manifest["design"])].patience
+    lost = Steps("lost", states, valid.inputs)
+    return [*loops, *sweeps, *excursions(controller, at_rest, loops), ends, tracking.part(unavailable), doubted, lost]
 
 
 def _in_doubt(controller: host.Controller, of: Steps) -> Steps:
-    """Return the steps that are valid with a sensor excluded, with that exclusion in doubt; none excludes one without
-    a fault.
+    """Return the steps that converge with a sensor excluded, with every hypothesis remembered, and half of them as a
+    trial of the next sensor; none excludes one without a fault.
     """
     outputs = steps.evaluate(controller, of).outputs
-    part = of.part(np.flatnonzero((outputs["valid"] > 0) & (outputs["excluded"] > 0))[-RANGE_END_STEPS:])
-    states = part.states.copy()
-    states["estimator_doubted"] = 1
+    part = of.part(np.flatnonzero((outputs["converged"] > 0) & (outputs["excluded"] > 0))[-RANGE_END_STEPS:])
+    states, sensors = part.states.copy(), len(part.inputs.dtype.names or ()) // 2
+    for k in range(1, sensors + 1):
+        states[f"estimator_plausible_{k}"] = 1
+    states["estimator_competing"] = np.where(np.arange(len(part)) % 2, states["estimator_excluded"] % sensors + 1, 0)
     return Steps("doubted", states, part.inputs)
 
 

@@ -192,7 +192,7 @@ def simulate(
     start, other = draw(REACH - travel, bodies, rng, yaw), draw(REACH, bodies, rng, yaw)
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
     failure = faults.Failure(chosen, sensor, _second(bodies, rng), kept)
-    states, outcomes = _tracking_states(controller, tuning, start, speed, heading), []
+    states, outcomes = tracking_states(controller, tuning, start, speed, heading), []
     rest = of.read(start) if speed == 0 else None
     for k in range(BEFORE + AFTER):
         pose = start.displaced(speed * k * TIME.period_s, heading)
@@ -227,8 +227,8 @@ def draw(reach: float, bodies: int, rng: np.random.Generator, yaw: float = YAW) 
     return Pose(X, Y, rng.uniform(-yaw, yaw, bodies))
 
 
-def _tracking_states(
-    controller: host.Controller, tuning: Tuning, at: Pose, speed: float, heading: Array
+def tracking_states(
+    controller: host.Controller, tuning: Tuning, at: Pose, speed: float | Numbers, heading: Array
 ) -> host.Records:
     """Return the states of estimators that have tracked bodies up to poses."""
     array, states = config.array(), np.repeat(controller.init()[None], len(at.X))

@@ -150,6 +150,9 @@ def of_monitor(of: Monitor) -> list[Constant]:
             Constant("cancellation", glsdc_integrity.ROUNDING, "1", "relative error of a cost by rounding"),
             limit("largest_projection", projection, unit, "bound of |x_j'g|, which never acts"),
         ]
+        if of.integrity.overbound != 1:
+            about = "factor on the protection levels while a group is excluded"
+            numbers.append(Constant("overbound", of.integrity.overbound, "1", about))
     for size, threshold in sorted({len(g): T for g, T in zip(of.groups, of.hypothesis, strict=True)}.items()):
         if np.isfinite(threshold):
             of_size = "" if len(set(of.hypothesis)) == 1 else f"_of_{size}"
@@ -158,6 +161,12 @@ def of_monitor(of: Monitor) -> list[Constant]:
             numbers += [
                 Constant(f"hypothesis_threshold{of_size}", threshold, "1", about),
                 Constant(f"hypothesis_cost{of_size}", threshold * s**2, square, cost),
+                Constant(
+                    f"refuted_cost{of_size}",
+                    glsdc_monitor.REFUTED * threshold * s**2,
+                    square,
+                    f"{glsdc_monitor.REFUTED:g} times hypothesis_cost: of a competing hypothesis that is refuted",
+                ),
             ]
     return [*numbers, *_of_limits(of)]
 
@@ -337,7 +346,11 @@ def _step(
     good = ca.logic_and(solution.converged, accepted)
     starts = problem.prediction.values
     pose = {v.name: v.wrap(p + d) for v, p, d in zip(unknowns, starts, solution.at, strict=True)}
-    next = pose | _motions(of, solution, x)
+    motions = _motions(of, solution, x)
+    if monitor and monitor.integrity.exclude:  # a trial solves for another hypothesis: the track goes on without it
+        pose = {n: ca.if_else(x["trial"], p, q) for (n, q), p in zip(pose.items(), starts, strict=True)}
+        motions = {n: ca.if_else(x["trial"], x[n], m) for n, m in motions.items()}
+    next = pose | motions
     output = pose | {_deviation(v).name: sigma for v, sigma in zip(unknowns, sigmas, strict=True)}
     output |= {CHI_SQUARE.name: ca.fmin(cost / of.scale**2, CHI_SQUARE.high)}
     if monitor:
@@ -346,7 +359,7 @@ def _step(
         good = ca.logic_and(ca.logic_and(good, judgement.passes), judgement.within)
         next |= dict(judgement.next)
         if monitor.integrity.exclude:
-            output |= {"excluded": x["excluded"], "doubted": judgement.next["doubted"]}
+            output |= {"excluded": x["track_excluded"], "doubted": judgement.doubted}
         if search:
             good, tracked = _track(
                 estimator, problem, Sample(starts, pose, solution.converged, accepted), good, next, x

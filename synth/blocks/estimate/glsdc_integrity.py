@@ -16,9 +16,10 @@ Exclusion (solution separation): hypothesis j, that channel j is at fault, has t
 cost c_j = c - u_j^2 / (s_j s^2) with u_j = w_j'e, and the variance sigma_i^2 + s^2 x_ij^2 / s_j. It passes if c_j is at
 most T_1, P(chi2(n-1) > T_1) = risk / 2. All hypotheses that pass must agree: with channel k excluded
 
-    p_i = max over passing j of |q_ji - q_ki| + k max over passing j of sigma_ji
+    p_i = overbound (max over passing j of |q_ji - q_ki| + k max over passing j of sigma_ji)
 
-The true hypothesis passes with 1 - risk/2, and its estimate is within k sigma: again at most the risk.
+The true hypothesis passes with 1 - risk/2, and its estimate is within k sigma: again at most the risk, for h linear
+over the separations. One that has passed since the exclusion counts as passing (`glsdc_monitor`).
 
 Channels that fail together, as the two of a sensor, form a group, with columns W_G and S = W_G'W_G - W_G'H N^-1 H'W_G.
 Its factors S = L D L' turn the columns into independent ones, x <- L^-1 x, u <- L^-1 u, s <- D, and each term above
@@ -77,7 +78,9 @@ class Integrity:
     group: `groups` are the channels that fail together, and any other channel is a group by itself, after these.
     `screened`: a check in front, as `glsdc_search.screen`, gives the number of a group to exclude, ``rejected``, and
     ``screened`` in place of ``complete``. `excluded_limits` multiplies the limits while a group is excluded: what is
-    left has less redundancy, and a limit that allows a fault to come may be too wide for one that is there.
+    left has less redundancy, and a limit that allows a fault to come may be too wide for one that is there. `overbound`
+    multiplies the levels while a group is excluded: more than 1 where the errors of the model are not normal, or where
+    h bends over the separations of hypotheses.
 
     Raises ModelError for a probability or a limit out of its range.
     """
@@ -89,6 +92,7 @@ class Integrity:
     groups: Sequence[Sequence[str]] = ()
     screened: bool = False
     excluded_limits: float = numeric.between(0, 1.0, 1)
+    overbound: float = numeric.between(0, 1.0, 10)
 
     def __post_init__(self) -> None:
         numeric.check_fields(self)
@@ -263,6 +267,14 @@ def most_likely(costs: Vector) -> ca.SX:
     least, number = costs[0], ca.SX(1)
     for j, cost in enumerate(costs[1:], 2):
         number, least = ca.if_else(cost < least, j, number), ca.fmin(cost, least)
+    return number
+
+
+def most_costly(costs: Vector) -> ca.SX:
+    """Return the number, from 1, of the hypothesis with the largest cost above 0; 0 without one."""
+    largest, number = costs[0], ca.if_else(costs[0] > 0, 1, 0)
+    for j, cost in enumerate(costs[1:], 2):
+        number, largest = ca.if_else(cost > largest, j, number), ca.fmax(cost, largest)
     return number
 
 

@@ -10,11 +10,15 @@ linear about the estimate in use, or with a search about the prediction of the t
 out of the linear range, and not the prediction. With a held Jacobian these hypotheses also leave the group out of the
 corrections (`glsdc_integrity`). Nothing is valid where a fault of some group is not detectable.
 
-    doubted        since a group is excluded, another hypothesis has passed in a sample with a level above its limit
+    plausible_j = plausible_j or hypothesis j passes      since a group is excluded; it counts in the levels, too
+    doubted     = a level is above its limit and a hypothesis beside the one in use is plausible, or in a trial
+    competing   = the plausible hypothesis of the largest cost that fails now, after a doubted sample
+    plausible_competing = 0 if its own solution has c > REFUTED T_1
 
 Which group is at fault is then not known, and following the wrong one takes the prediction out of the range in which
-the right hypothesis is linear: that it fails its test later says nothing. A doubted estimate is not valid until every
-channel is taken in again. A group that the check in front has refused is not in doubt.
+the right hypothesis is linear: that it fails its test later says nothing. It is therefore remembered until the
+corrections without its group, which are not linear, fail. Such a trial takes the sample after a doubted one: the track
+goes on by its motion, and the sample is not valid. A group that the check in front has refused is not in doubt.
 """
 
 from collections.abc import Sequence
@@ -35,6 +39,7 @@ from synth.errors import ModelError, SignalError
 from synth.signals import Signal
 
 LEVEL_RANGE = 100.0  # limits: a larger protection level is not resolved
+REFUTED = 2.0  # T_1: what two corrections of a true hypothesis leave of an error of linearisation
 DOUBTED = Signal("doubted", "1", 0, 1, "another group than the excluded one may be at fault")
 
 
@@ -51,14 +56,15 @@ class Monitor:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """Whether the sample passes its test, its protection levels by unknown, whether they are within their limits
-    without a doubt, and with exclusion the next states of the monitor.
+    """Whether the sample passes its test and is not a trial, its protection levels by unknown, whether they are within
+    their limits, with exclusion the next states of the monitor, and whether the exclusion is doubted.
     """
 
     passes: ca.SX
     levels: Exprs
     within: ca.SX
     next: Exprs
+    doubted: ca.SX
 
 
 def monitor(model: Model, integrity: Integrity) -> Monitor:
@@ -105,7 +111,17 @@ def _is_blockwise(model: Model, groups: Sequence[Sequence[int]]) -> bool:
 
 def states(of: Monitor) -> list[State]:
     """Return the states of the monitor."""
-    return [State(excluded_number(of), 0, True), State(DOUBTED, 0, True)] if of.integrity.exclude else []
+    if not of.integrity.exclude:
+        return []
+    competing = Signal(
+        "competing", "1", 0, len(of.groups), "number of the group whose hypothesis is tested next, 0 for none"
+    )
+    return [State(s, 0, True) for s in (excluded_number(of), *_plausible(of), competing)]
+
+
+def _plausible(of: Monitor) -> list[Signal]:
+    about = "hypothesis {} has passed since a group is excluded, and its own solution has not failed"
+    return [Signal(f"plausible_{k}", "1", 0, 1, about.format(k)) for k in range(1, len(of.groups) + 1)]
 
 
 def outputs(of: Monitor) -> list[Signal]:
@@ -136,15 +152,20 @@ def inputs(of: Monitor) -> list[Signal]:
 
 
 def with_rejection(of: Monitor, u: Exprs, x: Exprs) -> Exprs:
-    """Return the states with the group that is excluded in this sample: the refused one, else the one of the states.
+    """Return the states with the group that is left out in this sample as ``excluded``: refused, or the competing one.
 
-    ``certain`` tells whether it is the refused one.
+    ``track_excluded`` is the group that the track leaves out; ``certain`` tells whether it is the refused one, and
+    ``trial`` whether the sample tests the competing one.
     """
-    if not of.integrity.screened:
-        return {**x, "certain": ca.SX(0)}
-    certain = u["rejected"] > 0
-    excluded = clip(ca.if_else(certain, u["rejected"], x["excluded"]), excluded_number(of))
-    return {**x, "excluded": excluded, "certain": certain}
+    if not of.integrity.exclude:
+        return {**x, "trial": ca.SX(0)}
+    certain, track, trial = ca.SX(0), x["excluded"], x["competing"] > 0
+    if of.integrity.screened:
+        certain = u["rejected"] > 0
+        track = clip(ca.if_else(certain, u["rejected"], track), excluded_number(of))
+        trial = ca.logic_and(trial, ca.logic_not(certain))
+    excluded = ca.if_else(trial, x["competing"], track)
+    return {**x, "excluded": excluded, "track_excluded": track, "certain": certain, "trial": trial}
 
 
 def weights(of: Monitor, x: Exprs) -> Vector | None:
@@ -206,10 +227,12 @@ def _judge_hypotheses(
         ca.logic_or(c <= limit * variance + ROUNDING * full_cost, x["excluded"] == k)
         for k, (c, limit) in enumerate(zip(costs, of.hypothesis, strict=True), 1)
     ]
+    remembered = [x[s.name] for s in _plausible(of)]
+    plausible = [ca.logic_or(now, before) for now, before in zip(passing, remembered, strict=True)]
     none, levels = x["excluded"] == 0, {}
     for i in _limit_indices(of):
-        separated = glsdc_integrity.separated_level(
-            faults, i, full, passing, moved[i], of.thresholds.deviations * model.scale
+        separated = of.integrity.overbound * glsdc_integrity.separated_level(
+            faults, i, full, plausible, moved[i], of.thresholds.deviations * model.scale
         )
         detected = glsdc_integrity.detected_level(faults, i, of.thresholds, model.scale, sigmas[i])
         levels[i] = ca.if_else(none, detected, separated)
@@ -217,13 +240,26 @@ def _judge_hypotheses(
     limit = ca.if_else(none, of.thresholds.test, _excluded_threshold(of, x))
     passes = ca.logic_and(about.in_range, cost <= limit * variance)
     best = ca.if_else(test, 0, glsdc_integrity.most_likely(costs))
-    excluded = clip(ca.if_else(decides, best, x["excluded"]), excluded_number(of))
+    trial, certain = x["trial"], x["certain"]
+    decides = ca.logic_and(decides, ca.logic_not(trial))
+    excluded = clip(ca.if_else(decides, best, x["track_excluded"]), excluded_number(of))
     made = _judgement(of, passes, levels, faults, none)
-    ambiguous = ca.logic_and(glsdc.total(passing) > 1, ca.logic_not(made.within))
-    doubted = ca.logic_or(x[DOUBTED.name], ambiguous)
-    doubted = ca.logic_and(ca.logic_not(ca.logic_or(none, x["certain"])), doubted)
-    within = ca.logic_and(made.within, ca.logic_not(doubted))
-    return replace(made, within=within, next={"excluded": excluded, DOUBTED.name: doubted})
+    uncertain = ca.logic_not(ca.logic_or(none, certain))
+    contested = ca.logic_and(ca.logic_and(uncertain, glsdc.total(plausible) > 1), ca.logic_not(made.within))
+    doubted = ca.logic_or(trial, contested)
+    refuted = ca.logic_and(trial, cost > REFUTED * variance * _excluded_threshold(of, x))
+    keeps, next = ca.logic_and(uncertain, excluded > 0), {}
+    for k, (signal, now, before) in enumerate(zip(_plausible(of), plausible, remembered, strict=True), 1):
+        kept = ca.logic_and(before, ca.logic_not(ca.logic_and(refuted, x["excluded"] == k)))
+        next[signal.name] = ca.logic_and(keeps, ca.if_else(trial, kept, now))
+    failing = [
+        ca.if_else(ca.logic_and(before, ca.logic_not(now)), c, 0)
+        for c, now, before in zip(costs, passing, remembered, strict=True)
+    ]
+    begins = ca.logic_and(ca.logic_and(keeps, contested), ca.logic_not(trial))
+    next |= {"excluded": excluded, "competing": ca.if_else(begins, glsdc_integrity.most_costly(failing), 0)}
+    # A sample whose levels are within their limits is not contested, and a trial does not pass.
+    return Judgement(ca.logic_and(passes, ca.logic_not(trial)), made.levels, made.within, next, doubted)
 
 
 def _excluded_threshold(of: Monitor, x: Exprs) -> ca.SX | float:
@@ -260,7 +296,7 @@ def _judgement(of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hyp
         signal, limit = _level(of, u.name, u.signal.unit), of.integrity.limits[u.name]
         by_name[signal.name] = clip(ca.if_else(faults.detectable, level, signal.high), signal)
         within = ca.logic_and(within, by_name[signal.name] <= ca.if_else(none, limit, excluded_limit(of, u.name)))
-    return Judgement(passes, by_name, within, {})
+    return Judgement(passes, by_name, within, {}, ca.SX(0))
 
 
 def excluded_limit(of: Monitor, name: str) -> float:

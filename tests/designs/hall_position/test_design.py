@@ -83,11 +83,17 @@ def test_two_sensors_are_without_fault_protection_in_the_first_line() -> None:
         assert fields in text and "fabricated" in text
 
 
-@pytest.mark.parametrize(("name", "degrees"), [(config.NAME, 2.5), (protected.THREE, 10), (protected.NAME, 10)])
+@pytest.mark.parametrize(("name", "degrees"), [(config.NAME, 2.4), (protected.THREE, 9), (protected.NAME, 9)])
 def test_every_header_says_where_the_body_is_at_init(name: str, degrees: float) -> None:
     header = (GENERATED / name / f"{name}.h").read_text().replace("\n * ", " ")
-    assert "within half a pitch of the counted origin" in header and "rests until the first valid sample" in header
-    assert f"within {degrees:g} degrees of yaw" in header
+    assert "within half a pitch of the counted origin" in header and f"within {degrees:g} degrees of yaw 0" in header
+    assert ("rests until the first valid sample" in header) == (name != config.NAME)
+
+
+def test_the_header_of_two_sensors_asks_for_the_motion_of_the_experiment() -> None:
+    header, of = (GENERATED / config.NAME / f"{config.NAME}.h").read_text().replace("\n * ", " "), config.COLD_START
+    motion = f"radius of {1e3 * of.radius:g} mm at {1e3 * of.slowest:g} to {1e3 * of.fastest:g} mm/s"
+    assert motion in header and f"At least {100 * of.valid:g} % of starts are valid within one revolution" in header
 
 
 def failed_names(checks: tuple[Check, ...]) -> list[str]:

@@ -30,7 +30,7 @@ UNREACHED = {
     "least pivots of a hypothesis": r"gains?\w* = 1\.0f / \w+_max\(|_max\(1\.0f - |detectable|\(gains_\d < ",
     "a level without one sensor beyond its limit, where that before it is not": r"left_\d_\d\w* <= ",
     "places beyond the range along Y alone": r"bool valid = .*fabsf\(count_y\)",
-    "a number of an excluded sensor above the last one": r"passing_(3|4) = .*_equal\(excluded, ",
+    "a number of an excluded sensor above the last one, or below 0": r"= \w+_equal\(x_excluded, ",
     "sums of squares, below 0 by rounding only": r"_(part|limited)\w* = \w+_max\(0\.0f, |(full|chi).* = \w+_max\(",
 }
 
