@@ -1,8 +1,7 @@
 """Jerk-limited motion to a target in NumPy: reference of `blocks.laws.jerk_limited`.
 
-The acceleration of the next sample is the largest from which the fastest stop ends at the target or before it, by
-bisection. The stop is three pieces of constant jerk -J, 0 and J, each integrated from the state in which the one before
-it ends.
+The acceleration of the next sample is the largest from which a stop ends at the target or before it, by one chord. The
+stop is walked sample by sample: its acceleration is the one that brings the velocity to 0 soonest in whole samples.
 """
 
 from collections.abc import Mapping
@@ -13,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
+LEAST = 1e-6  # of J T^3, in a denominator
+RESTS = 1e-9  # of J T^2 and J T: a stop has ended
 Columns = Mapping[str, Array]
-HALVINGS = 10
 
 
 @dataclass(frozen=True)
@@ -36,14 +36,18 @@ def move(x: tuple[Array, Array, Array], j: Any, t: Array) -> tuple[Array, Array,
 
 
 def stop(v: Array, a: Array, of: Limits) -> Array:
-    """Return the displacement of the fastest stop."""
-    sign = np.where(v + a * np.abs(a) / (2 * of.J) >= 0, 1.0, -1.0)
-    x = (np.zeros_like(v), sign * v, sign * a)
-    peak = np.minimum(np.sqrt(np.maximum(of.J * x[1] + x[2] ** 2 / 2, 0)), of.A)
-    braked = move(x, -of.J, (x[2] + peak) / of.J)
-    excess = braked[1] - peak**2 / (2 * of.J)  # of velocity, beyond what the last piece takes
-    held = move(braked, 0.0, np.where(peak < of.A, 0.0, np.maximum(excess, 0) / of.A))
-    return sign * move(held, of.J, peak / of.J)[0]
+    """Return the displacement of the stop."""
+    x, one = (np.zeros_like(v), v, a), of.J * of.T
+    while (np.abs(x[1]) > RESTS * one * of.T).any() or (np.abs(x[2]) > RESTS * one).any():
+        to = np.clip(next_of_stop(x[1], x[2], of), -of.A, of.A)
+        x = move(x, (to - x[2]) / of.T, np.asarray(of.T))
+    return x[0]
+
+
+def next_of_stop(v: Array, a: Array, of: Limits) -> Array:
+    """Return the next acceleration of a stop without the limit A."""
+    one = of.J * of.T
+    return np.clip(one * fastest(-(v + a * of.T / 2) / (one * of.T)), a - one, a + one)
 
 
 def fastest(y: Array) -> Array:
@@ -60,25 +64,22 @@ def step(
     now = np.where(ready, goal - left, measured), v, a
     left = np.where(ready, left + (target - goal), target - measured)
     step_of_a = of.J * of.T
-    limits = [fastest((end - v) / (step_of_a * of.T) - a / step_of_a / 2) * step_of_a for end in (of.V, -of.V)]
-    high = np.maximum(np.minimum(np.minimum(a + step_of_a, of.A), limits[0]), a - step_of_a)
-    low = np.minimum(np.maximum(np.maximum(a - step_of_a, -of.A), limits[1]), a + step_of_a)
+    sign = np.where(left >= stop(v, a, of), 1.0, -1.0)
+    r, v, a = sign * left, sign * v, sign * a  # towards a target that lies beyond the stop
 
-    def after(new: Array) -> tuple[Array, Array]:
+    def ends_before(new: Array) -> Array:
         d, rate, _ = move((np.zeros_like(v), v, a), (new - a) / of.T, np.asarray(of.T))
-        return left - d, rate
+        return np.asarray(r - d - stop(rate, new, of))
 
-    def can_stop(new: Array) -> Array:
-        distance, rate = after(new)
-        return np.asarray(distance - stop(rate, new, of) >= 0)
-
-    best = can_stop(high)
-    top = high
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        low, high = np.where(can_stop(middle), middle, low), np.where(can_stop(middle), high, middle)
-    new = np.where(best, top, low)
-    distance, rate = after(new)
+    braking = np.clip(next_of_stop(v, a, of), -of.A, of.A)
+    limit = fastest((of.V - v) / (step_of_a * of.T) - a / step_of_a / 2) * step_of_a
+    high = np.maximum(np.minimum(np.minimum(a + step_of_a, of.A), limit), a - step_of_a)
+    left_over, short = r - stop(v, a, of), np.maximum(-ends_before(high), 0)
+    chord = braking + (high - braking) * left_over / (left_over + short + LEAST * step_of_a * of.T**2)
+    new = np.where(short <= 0, high, np.where(ends_before(chord) >= 0, chord, braking))
+    new, v, a = sign * np.clip(new, -of.A, of.A), sign * v, sign * a
+    d, rate, _ = move((np.zeros_like(v), v, a), (new - a) / of.T, np.asarray(of.T))
+    distance = left - d
     arrived = (np.abs(distance) <= step_of_a * of.T**2) & (np.abs(rate) <= step_of_a * of.T) & (np.abs(a) <= step_of_a)
     bounds = {"left": of.width, "rate": of.V, "change": of.A}
     values = {

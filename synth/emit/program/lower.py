@@ -5,7 +5,8 @@ Common subexpressions are eliminated first. Marks record the intermediate signal
 without a form in C are written out:
 
     sign(x)         1 if 0 < x, else (-1 if x < 0, else 0)
-    floor(x)        -(n + 1 if n < -x, else n) with n the whole part of -x, for x < 0; C truncates others
+    floor(x)        -(n + 1 if n < -x, else n) with n the whole part of -x, for x < 0; C truncates others, and alone
+                    |x| and max(x, 0)
     ceil(x)         -floor(-x)
     copysign(x, y)  -|x| if y < 0, else |x|: a zero has no sign
     hypot(x, y)     sqrt(x^2 + y^2)
@@ -287,6 +288,8 @@ def _sign(p: _Nodes, x: int) -> Node:
 
 
 def _floor(p: _Nodes, x: int) -> Node:
+    if p[x].op == "fabs" or (p[x].op == "max" and any(p[a].op == "literal" and p[a].value >= 0 for a in p[x].args)):
+        return Node("floor", (x,))
     size = p.put("neg", x)
     whole = p.put("floor", size)
     down = p.put("neg", p.put("add", whole, p.put("lt", whole, size)))
