@@ -27,14 +27,20 @@ Finish = Callable[[Array, Array, Array], tuple[Array, Array, dict[str, Any]]]
 Law = Callable[[Columns, Array, Array, Flags], tuple[Array, Finish]]
 
 T = 1e-3  # s
+NOISE = 6.109410204869 * np.sqrt(np.pi) / 2  # normal noise exceeds 6.1 standard deviations in 1e-9 of the samples
 SENSING = redundancy.Sensors(
     dict(zip(NAMES[:4], (1.0, -1.0, 1.0, -1.0), strict=True)),
-    4 * (5e-6 + 7e-6),  # m: half a count and an offset of each gap encoder
+    4 * 7e-6,  # m: an offset of each gap encoder
+    NOISE,
+    4 * 5e-6 / NOISE,  # m: half a count of each
+    4 / np.sqrt(np.pi) * 10e-6 * np.sqrt(13 / 12),  # m: white noise of one count, rounded
     "xz",
     gate=40e-6,  # m
+    frozen=82e-6,  # m: the noise of four codes cancels such a motion in 1e-9 of the samples
     jump=0.15e-3,  # m: 40 um, 66 um at the rate and 27 um by an acceleration of 53 m/s^2, and a count of 10 um
     wide_jump=0.5e-3,  # m
     wide_frozen=0.2e-3,  # m
+    away=0.3e-3,  # m
     travel=0.0499,  # m
     longest=40,
     low=LOW[:SENSORS],
@@ -120,7 +126,7 @@ def step(
     still = np.array([after_readings[f"{s}_monitor_still"] for s in "xz"])
     acting = rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
     q, v, d, after_observers = predictor.observe(
-        state, pose, acting, flag["trusted"], flag["frozen"], still, ready, OBSERVERS
+        state, pose, acting, flag["trusted"], flag["frozen"], flag["diverges"], still, ready, OBSERVERS
     )
     last, set_points = rows(state, LAST), values[SENSORS:]
     e = pose - set_points

@@ -145,8 +145,8 @@ typedef struct {
  *     x_disturbance = (limit(d + gamma * nu, largest_disturbance) if x_trusted is set, else 0) if
  *         guard_ready is set, else 0
  *     x_estimate = q + alpha * nu if guard_ready is set, else x_held
- *     x_rate = (v + beta * nu if x_trusted is set, else v - (beta / gamma * (d - d_at_change) + T * gained
- *         if x_frozen is set, else 0)) if guard_ready is set, else 0
+ *     x_rate = (v + beta * nu if x_trusted is set, else (0 if x_diverges is set, else v - (beta / gamma *
+ *         (d - d_at_change) + T * gained if x_frozen is set, else 0))) if guard_ready is set, else 0
  *     q_next = limit(x_estimate + half_T * (x_rate + rate_ahead), largest_position)
  *     v_next = limit(rate_ahead, largest_rate)
  *     gained_next = gained_decay * gained + x_disturbance - d_at_change if same, else 0
@@ -154,7 +154,7 @@ typedef struct {
  *         if x_trusted is set, else 0) if guard_ready is set, else 0), largest_gain), least_gain) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     maglev_5dof_precise_observer(maglev_5dof_precise_observer_state_t *state, uint32_t ready, bool trusted, float held,
-    uint32_t frozen, float a_before, uint32_t unchanged)
+    bool diverges, uint32_t frozen, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
@@ -186,11 +186,13 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
             rate = v + (beta * nu);
             g_change = learning_step * (a_before * d_if_trusted);
         } else {
-            float taken_back = 0.0f;
-            if (frozen != 0u) {
-                taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
+            if (!diverges) {
+                float taken_back = 0.0f;
+                if (frozen != 0u) {
+                    taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
+                }
+                rate = v - taken_back;
             }
-            rate = v - taken_back;
         }
         estimate = q + (alpha * nu);
     }
@@ -217,6 +219,7 @@ typedef struct {
     bool trusted;
     float held;
     uint32_t frozen;
+    bool diverges;
     uint32_t excluded_next;
     uint32_t doubts_next;
     uint32_t jumps_next;
@@ -226,19 +229,23 @@ typedef struct {
  *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
     maglev_5dof_precise_monitor(const maglev_5dof_precise_monitor_state_t *state, float expected, float accepted,
-    bool in_time, uint32_t ready, bool unanswered, bool sound, bool good)
+    bool in_time, uint32_t ready, bool unanswered, bool sound, bool good, bool counted)
 {
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
-    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
+    static const float gate = 4e-05f;                           /* m; an agreeing prediction is nearer */
     static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
     /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that changes */
     static const float wide_jump = 0.0005f;
+    /* m; from the prediction: no sound reading is farther, but after missing calls */
+    static const float away = 0.0003f;
+    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
     static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
+    static const float frozen_gate = 8.2e-05f; /* m; predicted motion in which a working code changes */
     /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that stands still */
     static const float wide_frozen = 0.0002f;
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
-    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
+    static const uint32_t doubted_after_missed_calls = 20u;     /* 1; of these the first half for its distance */
 
     const float code = state->code;
     const bool same = maglev_5dof_precise_equal(accepted, code);
@@ -246,14 +253,12 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
     const uint32_t doubts = state->doubts;
     uint32_t unchanged = 0u;
     float before_next_if_ready = before;
-    uint32_t doubts_next_choice = doubts;
     uint32_t doubts_next = doubts;
     if (same) {
         const uint32_t still = state->still;
         unchanged = (most_unchanged <= still) ? still : (still + 1u);
     } else {
         before_next_if_ready = expected;
-        doubts_next_choice = doubted_changes;
         if (1u <= doubts) {
             doubts_next = doubts - 1u;
         } else {
@@ -266,34 +271,43 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
     const bool doubts_below_1 = doubts < 1u;
     bool jumping = false;
     bool strayed = false;
+    bool gradual = false;
     if (gate < distance) {
+        const bool stays = same || (doubted_changes < doubts);
+        uint32_t doubts_next_if_counted;
         if (jump < distance) {
             const float growth = distance - fabsf(code - before);
-            const bool believed = (doubts_below_1 || (wide_jump < growth)) && in_time && (-travel < expected) &&
-                (expected < travel) && (-travel < code) && (code < travel);
+            const bool sudden = doubts_below_1 || (wide_jump < growth);
+            const bool believed = (sudden || ((away < distance) && (doubts <= doubted_changes))) && in_time &&
+                (-travel < expected) && (expected < travel) && (-travel < code) && (code < travel);
             jumping = (1u <= jumps) || (believed && !same);
             strayed = wide_frozen < growth;
-            doubts_next = (same || believed) ? doubts : doubted_changes;
+            gradual = !sudden;
+            doubts_next_if_counted = (stays || believed) ? doubts : doubted_changes;
         } else {
-            doubts_next = doubts_next_choice;
+            doubts_next_if_counted = (stays) ? doubts : doubted_changes;
         }
+        doubts_next = (counted) ? doubts_next_if_counted : doubted_after_missed_calls;
     }
     const uint32_t excluded = state->excluded;
+    const bool suspect_test = excluded == 0u;
     bool usual = false;
     uint32_t suspect = 1u;
     bool trusted = false;
     float held = expected;
     uint32_t frozen = excluded;
+    bool diverges = false;
     uint32_t excluded_next;
     uint32_t jumps_next = 0u;
     if (jumping) {
+        diverges = gradual && (jumps < 1u) && suspect_test;
         const bool last = excluded_from <= jumps;
         excluded_next = (last) ? 1u : excluded;
         jumps_next = (last) ? 0u : (jumps + 1u);
     } else {
-        const bool usable = good && (excluded == 0u);
+        const bool usable = good && suspect_test;
         const uint32_t stopped = (usable) ? 1u : excluded;
-        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
+        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((frozen_gate <
                 fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
             suspect = stopped;
             frozen = stopped;
@@ -315,8 +329,8 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_t
         }
     }
     return (maglev_5dof_precise_monitor_t){.unchanged = unchanged, .before_next = before_next, .usual = usual,
-        .suspect = suspect, .trusted = trusted, .held = held, .frozen = frozen, .excluded_next = excluded_next,
-        .doubts_next = doubts_next, .jumps_next = jumps_next};
+        .suspect = suspect, .trusted = trusted, .held = held, .frozen = frozen, .diverges = diverges,
+        .excluded_next = excluded_next, .doubts_next = doubts_next, .jumps_next = jumps_next};
 }
 
 typedef struct {
@@ -456,7 +470,7 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
         .guard_last_y2 = 0.031f,
         .guard_last_y3 = 0.031f,
         .guard_last_y4 = 0.031f,
-        .guard_last_y_ref = 0.03098f,
+        .guard_last_y_ref = 0.03095f,
         .guard_left = 20u,
         .x_monitor.doubts = 10u,
         .z_monitor.doubts = 10u,
@@ -464,8 +478,9 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
         .redundancy_code_y2 = 0.0245f,
         .redundancy_code_y3 = 0.0245f,
         .redundancy_code_y4 = 0.0245f,
+        .redundancy_change_0 = 2.3489085e-05f,
         .observer_y_fast_q = 0.0245f,
-        .servo_y_fast.r = 0.01802f,
+        .servo_y_fast.r = 0.01805f,
         .observer_y_q = 0.0245f,
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
@@ -540,15 +555,15 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         &faults);
     const float x_accepted = maglev_5dof_precise_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
     const float z_accepted = maglev_5dof_precise_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
-    const float y_ref_held = maglev_5dof_precise_hold(in->y_ref, 0.01802f, 0.03098f, &state->guard_last_y_ref,
+    const float y_ref_held = maglev_5dof_precise_hold(in->y_ref, 0.01805f, 0.03095f, &state->guard_last_y_ref,
         0x00000040u, &faults);
-    const float x_ref_held = maglev_5dof_precise_hold_within(in->x_ref, 0.04998f, &state->guard_last_x_ref, 0x00000080u,
+    const float x_ref_held = maglev_5dof_precise_hold_within(in->x_ref, 0.04995f, &state->guard_last_x_ref, 0x00000080u,
         &faults);
-    const float z_ref_held = maglev_5dof_precise_hold_within(in->z_ref, 0.04998f, &state->guard_last_z_ref, 0x00000100u,
+    const float z_ref_held = maglev_5dof_precise_hold_within(in->z_ref, 0.04995f, &state->guard_last_z_ref, 0x00000100u,
         &faults);
-    const float phi_ref_held = maglev_5dof_precise_hold_within(in->phi_ref, 0.0029496222f, &state->guard_last_phi_ref,
+    const float phi_ref_held = maglev_5dof_precise_hold_within(in->phi_ref, 0.0028740554f, &state->guard_last_phi_ref,
         0x00000200u, &faults);
-    const float theta_ref_held = maglev_5dof_precise_hold_within(in->theta_ref, 0.013949622f,
+    const float theta_ref_held = maglev_5dof_precise_hold_within(in->theta_ref, 0.013874056f,
         &state->guard_last_theta_ref, 0x00000400u, &faults);
     const bool complete = (faults & 0x0000003fu) == 0u;
     const uint32_t guard_latched = state->guard_latched;
@@ -560,14 +575,15 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const float missed_calls = in->missed_calls;
 
     /* redundancy: parity, innovations, frozen codes */
-    /* m; largest |r| without a fault: half a count and an offset of each sensor */
-    static const float threshold_0 = 4.8e-05f;
+    static const float slope_0 = 5.414324f; /* 1; of the threshold over the mean change of r in a sample */
+    static const float threshold_0 = 2.8e-05f; /* m; largest |r| without a fault, noise and rounding: offsets */
     const float residual_0_without_y4 = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_without_y4 - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const bool sound = (guard_ready != 0u) && complete && (redundancy_degraded == 0u);
     const float size = fabsf(residual_0);
-    const bool agreement = size <= threshold_0;
+    const float redundancy_change_0 = state->redundancy_change_0;
+    const bool agreement = size <= (threshold_0 + (slope_0 * redundancy_change_0));
     const bool same_y1 = maglev_5dof_precise_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -592,11 +608,12 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
         still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
-    const bool in_time = judging && (fabsf(missed_calls) <= 0.0f);
+    const bool counted = fabsf(missed_calls) <= 0.0f;
+    const bool in_time = judging && counted;
     const maglev_5dof_precise_monitor_t x_monitor = maglev_5dof_precise_monitor(&state->x_monitor, state->observer_x.q,
-        x_accepted, in_time, guard_ready, x_unanswered, sound, (faults & 0x00000010u) == 0u);
+        x_accepted, in_time, guard_ready, x_unanswered, sound, (faults & 0x00000010u) == 0u, counted);
     const maglev_5dof_precise_monitor_t z_monitor = maglev_5dof_precise_monitor(&state->z_monitor, state->observer_z.q,
-        z_accepted, in_time, guard_ready, z_unanswered, sound, (faults & 0x00000020u) == 0u);
+        z_accepted, in_time, guard_ready, z_unanswered, sound, (faults & 0x00000020u) == 0u, counted);
     const bool lost_x = !x_monitor.trusted;
     const bool lost_z = !z_monitor.trusted;
     const float observer_phi_q = state->observer_phi_q;
@@ -638,15 +655,18 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
          *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
          *         score_y3, score_y4
-         *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
-         *         likewise suspect_z
+         *     suspect_x = 0 if sound and |residual_0| <= threshold_0 + slope_0 * change_0 and x_usual and z_usual,
+         *         else x_suspect; likewise suspect_z
          *     gaps_sufficient = 1 if sound and agreement and x_usual and z_usual, else (1 if usable_y1 and
          *         usable_y2 and usable_y3 and usable_y4, else missing <= tolerated_missing)
          *     regular = 1 if sound and agreement and x_usual and z_usual, else z_trusted and (x_trusted and
          *         determined)
-         *     degraded = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else guard_ready
+         *     degraded = 0 if sound and |residual_0| <= threshold_0 + slope_0 * change_0 and x_usual and z_usual,
+         *         else guard_ready
          *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
-         *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next */
+         *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
+         *     change_0_next = max(min(change_0 + learnt_part * (|residual_0 - last_residual_0| - change_0),
+         *         loud_0), quiet_0) */
         static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
         /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
         static const float candidate_part = 0.4f;
@@ -1093,6 +1113,16 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
             nu_2, phi, phi_fast_ahead_limited, delay_w_phi_last);
 
+        /* redundancy: parity, innovations, frozen codes (continued) */
+        static const float learnt_part = 0.00390625f;           /* 1; of the mean change of r, in a sample */
+        static const float loud_0 = 2.3489085e-05f;             /* m; mean change of r by the largest noise */
+        static const float quiet_0 = 3.6939055e-06f;            /* m; mean change of r by rounding alone */
+        const float redundancy_last_residual_0 = state->redundancy_last_residual_0;
+        state->redundancy_last_residual_0 = residual_0;
+        const float mean = redundancy_change_0 +
+            (learnt_part * (fabsf(residual_0 - redundancy_last_residual_0) - redundancy_change_0));
+        state->redundancy_change_0 = maglev_5dof_precise_max(maglev_5dof_precise_min(mean, loud_0), quiet_0);
+
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
         static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
@@ -1207,7 +1237,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->x_monitor.before = x_monitor.before_next;
         state->x_monitor.jumps = x_monitor.jumps_next;
         const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
-            x_monitor.trusted, x_monitor.held, x_monitor.frozen, delay_a_x_last, x_monitor.unchanged);
+            x_monitor.trusted, x_monitor.held, x_monitor.diverges, x_monitor.frozen, delay_a_x_last,
+            x_monitor.unchanged);
         state->z_monitor.code = z_accepted;
         state->z_monitor.still = z_monitor.unchanged;
         state->z_monitor.excluded = z_monitor.excluded_next;
@@ -1215,7 +1246,8 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
         state->z_monitor.before = z_monitor.before_next;
         state->z_monitor.jumps = z_monitor.jumps_next;
         const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
-            z_monitor.trusted, z_monitor.held, z_monitor.frozen, delay_a_z_last, z_monitor.unchanged);
+            z_monitor.trusted, z_monitor.held, z_monitor.diverges, z_monitor.frozen, delay_a_z_last,
+            z_monitor.unchanged);
 
         /* servo_phi_fast: predictive servo with internal models
          *     e = limit(e_phi, largest)
@@ -1695,8 +1727,10 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
             diagnostics->theta_fast_rate_ahead = observer_theta_fast.fast_rate_ahead;
             diagnostics->x_frozen = (float)x_monitor.frozen;
             diagnostics->x_unchanged = (float)x_monitor.unchanged;
+            diagnostics->x_diverges = x_monitor.diverges ? 1.0f : 0.0f;
             diagnostics->z_frozen = (float)z_monitor.frozen;
             diagnostics->z_unchanged = (float)z_monitor.unchanged;
+            diagnostics->z_diverges = z_monitor.diverges ? 1.0f : 0.0f;
             diagnostics->w_phi = w_phi;
             diagnostics->w_theta = w_theta;
             diagnostics->w_x_unprobed = w_x_unprobed;

@@ -7,16 +7,22 @@ the motion. A residual of healthy sensors is bounded by
 
     |r| <= sum_i |w_i| (resolution_i / 2 + offset_i) + max over the range of |w (h(q) - h(q0))|
 
+White noise adds to it. Its standard deviation is sqrt(pi)/2 times the mean m of |r - r one sample ago|, which also has
+the rounding: r exceeds the offsets by K sqrt(pi)/2 m in a share `chance` of the samples, K the two-sided quantile of
+the normal distribution. A machine without noise has a small m, and no wider threshold than it needs.
+
 Each row is reduced (row echelon form), so it has few entries, and scaled: its
 largest entry is 1 or -1.
 
 Source: Chow, Willsky, "Analytical redundancy and the design of robust failure detection systems", IEEE Trans. Automatic
-Control 29 (1984), section II, for sensors of one instant.
+Control 29 (1984), section II, for sensors of one instant; von Neumann, "The mean square successive difference", 1941.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import pi, sqrt
+from statistics import NormalDist
 
 import casadi as ca
 import numpy as np
@@ -34,31 +40,50 @@ GRID = 3  # points of each position over its range
 @arguments.checked
 @dataclass(frozen=True)
 class Tolerance:
-    """Resolution and largest constant error of a sensor, in its unit."""
+    """Resolution, largest constant error and largest standard deviation of white noise of a sensor, in its unit."""
 
     resolution: float
     offset: float
+    noise: float = 0.0
 
 
 @arguments.checked
 @dataclass(frozen=True)
 class Relation:
-    """Weights (1) by sensor of one residual, and the largest |residual| of healthy sensors, in their unit."""
+    """Weights (1) by sensor of one residual, and the largest |residual| of healthy sensors, in their unit.
+
+    With noise it is threshold + `slope` (m - `quiet`), m the mean change of the residual in a sample, from `quiet` to
+    `loud`. A `slope` of 0 is that of sensors without noise.
+    """
 
     weights: Mapping[str, float]
     threshold: float
+    slope: float = 0.0
+    quiet: float = 0.0
+    loud: float = 0.0
+
+    @property
+    def largest(self) -> float:
+        """The largest threshold, at the largest noise."""
+        return self.threshold + self.slope * (self.loud - self.quiet)
 
 
 @arguments.checked
-def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str, Tolerance]) -> tuple[Relation, ...]:
+def relations(
+    plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str, Tolerance], chance: float = 1e-9
+) -> tuple[Relation, ...]:
     """Return the parity relations of `sensors`, plant outputs by sensor name; none where no sensor is redundant.
+
+    Noise exceeds a threshold in a share `chance` of the samples.
 
     The positions are the states that an output depends on. Their ranges are those of the plant, and C is that at their
     middle. Units of sensors that stand in one relation must agree.
 
     Raises ModelError for no sensors, an output that the plant does not have, that depends on an input or on no state, a
-    missing tolerance, or a relation between sensors of different units.
+    missing tolerance, a relation between sensors of different units, or a chance outside 0 .. 1.
     """
+    if not 0 < chance < 1:
+        raise ModelError(f"noise exceeds the threshold with the chance {chance}: give one between 0 and 1")
     if not sensors:
         raise ModelError("no sensors are given: give the output that each sensor reads")
     outputs = {s.name: s for s in plant.outputs}
@@ -68,7 +93,10 @@ def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str,
     h, middle, points = _output_map(plant, list(sensors.values()))
     W = _left_null_space(np.array(h.jacobian()(middle, h(middle))))
     names = list(sensors)
-    bound = np.array([tolerances[n].resolution / 2 + tolerances[n].offset for n in names])
+    resolution, offset, noise = (
+        np.array([getattr(tolerances[n], of) for n in names]) for of in ("resolution", "offset", "noise")
+    )
+    slope = -NormalDist().inv_cdf(chance / 2) * sqrt(pi) / 2
     deviations = np.array([np.array(h(p) - h(middle)).ravel() for p in points])
     parities = []
     for w in W:
@@ -79,7 +107,11 @@ def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str,
                 f"the relation of {', '.join(weights)} mixes {', '.join(sorted(units))}: scale the outputs"
             )
         curvature = float(np.max(np.abs(deviations @ w), initial=0.0))
-        parities.append(Relation(weights, float(np.abs(w) @ bound) + curvature))
+        rounding = float(np.abs(w) @ resolution / 2)
+        threshold = float(np.abs(w) @ offset) + rounding + curvature
+        loud = 2 / sqrt(pi) * sqrt(float(w**2 @ (noise**2 + resolution**2 / 12)))
+        noisy = (slope, rounding / slope, max(loud, rounding / slope)) if noise[w != 0].any() else ()
+        parities.append(Relation(weights, threshold, *noisy))
     return tuple(parities)
 
 

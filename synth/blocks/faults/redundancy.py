@@ -59,8 +59,10 @@ def of_redundancy(
 def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decision) -> list[Failure]:
     names = tuple(relation.weights)
     unit, most = signals[names[0]].unit, decision.tolerated
+    above = f"{relation.threshold:g} {unit}"
+    above += f" (up to {relation.largest:g} {unit} with noise)" if relation.slope else ""
     wrong = (
-        f"|residual| above {relation.threshold:g} {unit} in {decision.persistent} samples in a row, and one has by far "
+        f"|residual| above {above} in {decision.persistent} samples in a row, and one has by far "
         f"the largest innovation or alone a code that stands still ({FRESH} or {STILL} samples): excluded until init"
     )
     unclear = (
@@ -85,7 +87,7 @@ def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decis
 def _of_singles(signals: Mapping[str, Signal], singles: Sequence[str], decision: Decision) -> list[Failure]:
     names, (first, *_) = tuple(singles), singles
     unit = signals[first].unit
-    gates = enumeration([f"{g:g} {unit}" for g in dict.fromkeys(decision.gate[n] for n in singles)])
+    gates = enumeration([f"{g:g} {unit}" for g in dict.fromkeys(decision.frozen_from(n) for n in singles)])
     travels = dict.fromkeys(decision.travel[n] for n in singles)
     inside = enumeration([f"{low:g} .. {high:g} {unit}" for low, high in travels])
     frozen = (
@@ -177,7 +179,8 @@ def block(
         output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
         output[safety.SOUND.name] = sound
         output["degraded"] = ca.if_else(calm, 0, u["ready"])
-        decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_"))}
+        always = ("code_", "still_", "change_", "last_residual_")
+        decisions = {n: v for n, v in next.items() if not n.startswith(always)}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
         return Step(output, next, named, numbers=decision.numbers(by_name, relations))
@@ -223,10 +226,14 @@ def _vote(
     weights, names = relation.weights, list(relation.weights)
     y, expected = ({n: u[f"{n}_{of}"] for n in names} for of in ("accepted", "expected"))
     r = sum((w * y[n] for n, w in weights.items()), start=ca.SX(0))
+    change = {}
+    if relation.slope:
+        mean = x[f"change_{i}"] + redundancy_decision.LEARNT * (ca.fabs(r - x[f"last_residual_{i}"]) - x[f"change_{i}"])
+        change = {f"last_residual_{i}": r, f"change_{i}": mean}
     whole = ca.SX(1)
     for n in names:
         whole = ca.logic_and(whole, usable[n])
-    agreement = ca.fabs(r) <= relation.threshold
+    agreement = ca.fabs(r) <= redundancy_decision.threshold(relation, x.get(f"change_{i}"))
     agrees = ca.logic_or(agreement, ca.logic_not(u["ready"]))
     count, stuck, undecided = (x[f"{of}_{i}"] for of in ("contradictions", "stuck", "undecided"))
     excluded, stands = {n: x[f"excluded_{n}"] for n in names}, {n: still[f"still_{n}"] for n in names}
@@ -264,6 +271,7 @@ def _vote(
         f"stuck_{i}": by_case(stuck, ca.if_else(stuck_now + stuck > 0, 1, 0), stuck),
         f"undecided_{i}": by_case(undecided, waited, doubted),
         **{f"excluded_{n}": by_case(excluded[n], left_out_now[n], left_out[n]) for n in names},
+        **change,
     }
     regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
