@@ -17,6 +17,7 @@ PUBLISHED = {  # rows of the audit with the paper's statements on an experiment
     **dict.fromkeys(("y_22_29", "y_29_22", "y_20_27", "y_27_20", "paper_y_22_29", "paper_y_29_22"), (("F-11", ""),)),
     **dict.fromkeys(("theta_10", "paper_theta_10"), (("F-12", ""),)),
     **dict.fromkeys(("x_30", "z_30"), (("F-13", ""),)),
+    **dict.fromkeys(("rejects_constant", "rejects_omega0"), (("F-20", ""),)),
     "ellipse": (("F-14", ""), ("F-16", "")),
     "tracking": (("F-15", ""), ("F-16", "")),
 }

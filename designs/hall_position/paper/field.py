@@ -63,10 +63,10 @@ def least_slope_of_pair(slopes: Array, spacing: float) -> float:
     return float(np.maximum(magnitude, np.roll(magnitude, -round(spacing * PLACES))).min())
 
 
-def relative_to_best_spacing(stage: Stage, spacing: float) -> float:
-    """Return the least slope of a pair with a spacing in pitches, relative to that with the best spacing."""
-    least = field_figures.least_slopes(stage.waves([(n, 0) for n in ODD]), PLACES, stage.height).least
-    return float(least[round(spacing * PLACES)] / least.max())
+def relative_to_best_spacing(slopes: Array, spacing: float) -> float:
+    """Return `least_slope_of_pair` at a spacing in pitches, relative to that at the best spacing within a pitch."""
+    best = max(least_slope_of_pair(slopes, k / PLACES) for k in range(PLACES))
+    return least_slope_of_pair(slopes, spacing) / best
 
 
 @lru_cache(CACHED_RESULTS)

@@ -171,6 +171,12 @@ def closed_loop(name: str) -> Array:
     return np.asarray(plant.A + plant.B @ control.gain(axis(name)).K)
 
 
+def remaining(name: str, harmonic: int) -> float:
+    """Return the amplitude of e per unit acceleration at the input, in s^2: linear loop, `harmonic` times omega0."""
+    A, B = closed_loop(name), np.array(control.axis_plant(axis(name)).B)
+    return float(abs(np.linalg.solve(1j * harmonic * platen.OMEGA0 * np.eye(len(A)) - A, B)[0, 0]))
+
+
 def poles(name: str) -> Poles:
     """Return the closed-loop poles of an axis that follow from its LQR weights."""
     eigenvalues = np.linalg.eigvals(closed_loop(name))

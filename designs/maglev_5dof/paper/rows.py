@@ -18,7 +18,7 @@ FORMULAS = (closed_loop_runs, platen_figures)  # formulas may use all names of t
 
 
 def rows(stage: Stage) -> Iterator[Row]:
-    """Yield the rows F-1 to F-19 for the stage's parameters, each when it is computed."""
+    """Yield the rows F-1 to F-22 for the stage's parameters, each when it is computed."""
     return audit.rows(scope(AuditSetup(stage, stage.plant), published_rows()))
 
 

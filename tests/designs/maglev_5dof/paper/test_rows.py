@@ -75,11 +75,19 @@ EXPECTED = [
     ("F-16", "x, encoders, printed law", 1.0, 0.3),
     ("F-16", "x, encoders, friction, cogging", 78.7, 0.8),
     ("F-16", "z, encoders, friction, cogging", 70.0, 0.7),
+    ("F-20", "left of a constant", 0.0, 1e-6),
+    ("F-20", "left of omega0", 0.0, 1e-6),
+    ("F-20", "y, 30 N of 2 omega0", 2.4, 0.1),
+    ("F-20", "x, 30 N of 2 omega0", 6.4, 0.2),  # of the full plant with encoders
+    ("F-20", "theta, 3 N m of 2 omega0", 2.5, 0.4),  # the same, with the guide spring
+    ("F-21", "x, change in print", -0.4, 0.1),
+    ("F-21", "z, change in print", 12.6, 0.1),
+    ("F-22", "i_d at 33 mm", -0.68853, 1e-5),
 ]
 VERDICTS = {
     **dict.fromkeys(("F-1", "F-3", "F-5b"), "RC"),
-    **dict.fromkeys(("F-4", "F-7", "F-8", "F-9", "F-10", "F-11", "F-13", "F-17", "F-18", "F-19"), "R"),
-    **dict.fromkeys(("F-2", "F-5", "F-6", "F-12", "F-14", "F-15", "F-16"), "N"),
+    **dict.fromkeys(("F-4", "F-7", "F-8", "F-9", "F-10", "F-11", "F-13", "F-17", "F-18", "F-19", "F-20"), "R"),
+    **dict.fromkeys(("F-2", "F-5", "F-6", "F-12", "F-14", "F-15", "F-16", "F-21", "F-22"), "N"),
 }
 
 
