@@ -87,10 +87,10 @@ INTERFACE = stage.interface(
     bad_samples=BAD_SAMPLES,
     good_samples=GOOD_SAMPLES,
     safe_output_effect=f"zero current pulls the platen up from a gap below {PULLED_UP * 1e3:g} mm; in flight the "
-    f"safe output, {SAFE_CURRENT:g} A rms, lowers a level platen from every gap between its stops, "
-    f"{GAP[0] * 1e3:g} mm to {GAP[1] * 1e3:g} mm, also with all parameters at their tolerances, but at {GAP[0] * 1e3:g} "
-    f"mm magnets 10 % stronger than assumed may hold one that is tilted about Z by {HELD_UP * 1e3:g} mrad or more; it "
-    "is no soft landing: from 18 mm the platen meets its lower stop at up to 0.57 m/s",
+    f"safe output, {SAFE_CURRENT:g} A rms, lowers a level platen from every gap between its stops, {GAP[0] * 1e3:g} mm "
+    f"to {GAP[1] * 1e3:g} mm, also with all parameters at their tolerances, but at {GAP[0] * 1e3:g} mm magnets 10 % "
+    f"stronger than assumed may hold one that is tilted about Z by {HELD_UP * 1e3:g} mrad or more; it is no soft "
+    "landing: from 18 mm the platen meets its lower stop at up to 0.57 m/s",
 )
 CURRENTS = INTERFACE.outputs
 OUTPUTS = (

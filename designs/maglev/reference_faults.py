@@ -27,13 +27,13 @@ Finish = Callable[[Array, Array, Array], tuple[Array, Array, dict[str, Any]]]
 Law = Callable[[Columns, Array, Array, Flags], tuple[Array, Finish]]
 
 T = 1e-3  # s
-NOISE = 6.109410204869 * np.sqrt(np.pi) / 2  # normal noise exceeds 6.1 standard deviations in 1e-9 of the samples
+QUIET, NOISE = 4 * (5e-6 + 7e-6), 2 * np.sqrt(1e-10 + 1e-10 / 12)  # m: half a count and an offset; noise of one count
+LARGEST = 4 * 7e-6 + 6.109410204869 * NOISE  # m: 6.1 standard deviations leave 1e-9 of the samples
 SENSING = redundancy.Sensors(
     dict(zip(NAMES[:4], (1.0, -1.0, 1.0, -1.0), strict=True)),
-    4 * 7e-6,  # m: an offset of each gap encoder
-    NOISE,
-    4 * 5e-6 / NOISE,  # m: half a count of each
-    4 / np.sqrt(np.pi) * 10e-6 * np.sqrt(13 / 12),  # m: white noise of one count, rounded
+    QUIET,
+    (LARGEST - QUIET) / (2 / np.sqrt(np.pi) * NOISE),
+    LARGEST,
     "xz",
     gate=40e-6,  # m
     frozen=82e-6,  # m: the noise of four codes cancels such a motion in 1e-9 of the samples

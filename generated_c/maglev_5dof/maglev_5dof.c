@@ -448,7 +448,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .redundancy_code_y2 = 0.0245f,
         .redundancy_code_y3 = 0.0245f,
         .redundancy_code_y4 = 0.0245f,
-        .redundancy_change_0 = 2.3489085e-05f,
+        .redundancy_threshold_0 = 0.00015517752f,
         .observer_y_q = 0.0245f,
         .observer_x.g = 1.0f,
         .observer_z.g = 1.0f,
@@ -532,15 +532,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float missed_calls = in->missed_calls;
 
     /* redundancy: parity, innovations, frozen codes */
-    static const float slope_0 = 5.414324f; /* 1; of the threshold over the mean change of r in a sample */
-    static const float threshold_0 = 2.8e-05f; /* m; largest |r| without a fault, noise and rounding: offsets */
+    static const float kept_part = 0.99609375f;                 /* 1; of the threshold, in a sample */
+    static const float learnt_part_0 = 0.017823689f;            /* 1; of the change of r, learnt in a sample */
+    static const float quiet_part_0 = 1.875e-07f;               /* m; of the threshold without noise, in a sample */
+    static const float largest_0 = 0.00015517752f;              /* m; threshold at the largest noise */
     const float residual_0_without_y4 = y1_accepted - y2_accepted + y3_accepted;
     const float residual_0 = residual_0_without_y4 - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const bool sound = (guard_ready != 0u) && complete && (redundancy_degraded == 0u);
     const float size = fabsf(residual_0);
-    const float redundancy_change_0 = state->redundancy_change_0;
-    const bool agreement = size <= (threshold_0 + (slope_0 * redundancy_change_0));
+    const float redundancy_threshold_0 = state->redundancy_threshold_0;
+    const bool agreement = size <= redundancy_threshold_0;
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -582,6 +584,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
     const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
+    const float redundancy_last_residual_0 = state->redundancy_last_residual_0;
     bool gaps_sufficient = true;
     float y1_held = y1_accepted;
     float y2_held = y2_accepted;
@@ -593,11 +596,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_excluded_y2_next = redundancy_excluded_y2;
     uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
     uint32_t redundancy_excluded_y4_next = redundancy_excluded_y4;
+    float redundancy_last_residual_0_choice = residual_0;
+    float redundancy_threshold_0_next = redundancy_threshold_0;
     uint32_t redundancy_contradictions_0_next = 0u;
     uint32_t redundancy_stuck_0_next = redundancy_stuck_0;
     uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
     uint32_t redundancy_degraded_next = redundancy_degraded;
-    if (!(sound && agreement && x_monitor.usual && z_monitor.usual)) {
+    if (sound && agreement && x_monitor.usual && z_monitor.usual) {
+        const float redundancy_threshold_0_sum = (kept_part * redundancy_threshold_0) +
+            (quiet_part_0 + (learnt_part_0 * fabsf(residual_0 - redundancy_last_residual_0)));
+        redundancy_threshold_0_next = maglev_5dof_min(redundancy_threshold_0_sum, largest_0);
+    } else {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
         static const float r = 0.397f;                          /* m; Table I */
@@ -613,18 +622,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
          *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
          *         score_y3, score_y4
-         *     suspect_x = 0 if sound and |residual_0| <= threshold_0 + slope_0 * change_0 and x_usual and z_usual,
-         *         else x_suspect; likewise suspect_z
+         *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
+         *         likewise suspect_z
          *     gaps_sufficient = 1 if sound and agreement and x_usual and z_usual, else (1 if usable_y1 and
          *         usable_y2 and usable_y3 and usable_y4, else missing <= tolerated_missing)
          *     regular = 1 if sound and agreement and x_usual and z_usual, else z_trusted and (x_trusted and
          *         determined)
-         *     degraded = 0 if sound and |residual_0| <= threshold_0 + slope_0 * change_0 and x_usual and z_usual,
-         *         else guard_ready
+         *     degraded = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else guard_ready
          *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
          *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
-         *     change_0_next = max(min(change_0 + learnt_part * (|residual_0 - last_residual_0| - change_0),
-         *         loud_0), quiet_0) */
+         *     last_residual_0_next = residual_0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual,
+         *         else last_residual_0
+         *     threshold_0_next = min(kept_part * threshold_0 + quiet_part_0 + learnt_part_0 * |residual_0 -
+         *         last_residual_0|, largest_0) if sound and |residual_0| <= threshold_0 and x_usual and z_usual,
+         *         else threshold_0 */
         static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
         /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
         static const float candidate_part = 0.4f;
@@ -814,6 +825,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         theta_measured = determined;
         redundancy_degraded_next = ((z_monitor.suspect != 0u) || (x_monitor.suspect != 0u) || suspect_y4 ||
             suspect_y3 || suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
+        redundancy_last_residual_0_choice = redundancy_last_residual_0;
 
         /* guard: range acceptance, hold, latch (continued) */
         if (suspect_y1) {
@@ -1020,6 +1032,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->redundancy_code_y4 = y4_accepted;
         state->redundancy_still_y4 = still_y4;
         state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
+        state->redundancy_last_residual_0 = redundancy_last_residual_0_choice;
+        state->redundancy_threshold_0 = redundancy_threshold_0_next;
         state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
         state->redundancy_stuck_0 = redundancy_stuck_0_next;
         state->redundancy_undecided_0 = redundancy_undecided_0_next;
@@ -1056,16 +1070,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
         const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator,
             e_theta, filter_theta_r_next);
-
-        /* redundancy: parity, innovations, frozen codes (continued) */
-        static const float learnt_part = 0.00390625f;           /* 1; of the mean change of r, in a sample */
-        static const float loud_0 = 2.3489085e-05f;             /* m; mean change of r by the largest noise */
-        static const float quiet_0 = 3.6939055e-06f;            /* m; mean change of r by rounding alone */
-        const float redundancy_last_residual_0 = state->redundancy_last_residual_0;
-        state->redundancy_last_residual_0 = residual_0;
-        const float mean = redundancy_change_0 +
-            (learnt_part * (fabsf(residual_0 - redundancy_last_residual_0) - redundancy_change_0));
-        state->redundancy_change_0 = maglev_5dof_max(maglev_5dof_min(mean, loud_0), quiet_0);
 
         /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */

@@ -295,7 +295,8 @@ typedef struct {
     uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
     uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
     float redundancy_last_residual_0;   /* m, -0.039996 .. 0.039996: of the parity relation one sample ago */
-    float redundancy_change_0;          /* m, 3.69391e-06 .. 2.34891e-05: mean |change| of the residual */
+    /* m, 4.7952e-05 .. 0.000155178: largest |residual| without a fault, by its noise */
+    float redundancy_threshold_0;
     uint32_t redundancy_contradictions_0; /* 1, 0 .. 10: samples in a row */
     uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
     uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */

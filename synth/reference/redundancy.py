@@ -27,23 +27,21 @@ Columns = Mapping[str, NDArray[Any]]
 
 FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
 CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
-LEARNT = 1 / 256  # of the mean change of the residual, in a sample
+LEARNT = 1 / 256  # of the threshold, in a sample without a contradiction
 
 
 @dataclass(frozen=True)
 class Sensors:
     """The sensors of the relation with their signs and its threshold, and the `others` with gates and travel.
 
-    The threshold is `offsets` + `slope` m; m, the mean change of the residual, is in `quiet` .. `loud`.
-
+    It is `threshold` + `slope` m, m the mean change of the residual in a sample, and at most `largest`.
     Samples without a change of the others are counted up to `longest`. Readings are limited to `low` .. `high`.
     """
 
     signs: Mapping[str, float]
-    offsets: float
+    threshold: float
     slope: float
-    quiet: float
-    loud: float
+    largest: float
     others: Sequence[str]
     gate: float
     frozen: float
@@ -90,8 +88,7 @@ def readings(
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     judging = ready & ~(np.asarray(state["guard_latched"]) > 0)  # once latched, the observers stand still
-    mean = np.asarray(state["redundancy_change_0"])
-    threshold, r = of.offsets + of.slope * mean, of.parity(y[:g])
+    threshold, r = np.asarray(state["redundancy_threshold_0"]), of.parity(y[:g])
     related, named, after = _isolate(state, of, threshold, y[:g], value[:g], expected[:g], usable[:g], still[:g], ready)
     readmitted = ~same[:g] & excluded[:g] & good[:g] & (np.asarray(state["redundancy_stuck_0"]) > 0)
     undecided = after["waited"] | readmitted.any(axis=0)
@@ -126,14 +123,15 @@ def readings(
     low, high = by_row(of.low, y), by_row(of.high, y)
     suspects = np.concatenate([named | excluded[:g] | undecided, wrong])
     next: dict[str, Any] = dict(zip(of.states("code"), y, strict=True))
-    change = np.abs(r - np.asarray(state["redundancy_last_residual_0"]))
-    next |= {"redundancy_change_0": np.clip(mean + LEARNT * (change - mean), of.quiet, of.loud)}
-    next |= {"redundancy_last_residual_0": r}
     next |= dict(zip(of.states("still"), still, strict=True))
     next |= dict(zip(of.states("before")[g:], before, strict=True))
     kept_doubts = np.where((distance > of.gate) & ~counts, 2 * DOUBTS, np.where(same[g:], doubts, doubted))
     next |= dict(zip(of.states("doubts")[g:], kept_doubts, strict=True))
     calm = sound & usual.all(axis=0) & (np.abs(of.parity(y[:g])) <= threshold)
+    last_r = np.asarray(state["redundancy_last_residual_0"])
+    learnt = (1 - LEARNT) * threshold + LEARNT * (of.threshold + of.slope * np.abs(r - last_r))
+    next["redundancy_threshold_0"] = np.where(calm, np.minimum(learnt, of.largest), threshold)
+    next["redundancy_last_residual_0"] = np.where(calm, r, last_r)
     jump_counts = np.where(jumps & (counted < PERSISTENT - 1), counted + 1, 0)
     next |= dict(zip(of.states("jumps")[g:], jump_counts, strict=True))
     next |= dict(zip(of.states("excluded")[g:], out, strict=True))

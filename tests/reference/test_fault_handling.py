@@ -61,7 +61,7 @@ DECISION = redundancy_block.Decision(
 )  # fmt: skip
 MISSED = Signal("missed_calls", "1", 0, 40)
 OF = redundancy.Sensors(
-    {"a": 1.0, "b": -1.0, "c": 1.0}, 8e-4, 2.0, 1e-4, 5e-4, ["x"],
+    {"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, 2.0, 1.8e-3, ["x"],
     gate=1e-3, frozen=1.5e-3, jump=2e-3, wide_jump=5e-3, wide_frozen=3e-3, away=4e-3, travel=0.9, longest=50,
     low=np.full(4, -1.0), high=np.full(4, 1.0),
 )  # fmt: skip
@@ -70,7 +70,7 @@ OF = redundancy.Sensors(
 def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
     block = whole(
         innovation_monitor.block(TIME, SENSORS[-1], DECISION, MISSED),
-        redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), 1e-3, 2.0, 1e-4, 5e-4)], DECISION),
+        redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), 1e-3, 2.0, 1.8e-3)], DECISION),
     )
     x, u = draw(block)
     rng = np.random.default_rng(1)
@@ -158,10 +158,10 @@ def test_a_reference_agrees_with_its_block(of: Callable[[], list[str]]) -> None:
 @pytest.mark.parametrize(
     "of",
     [
-        lambda: redundancy_differs(replace(OF, offsets=0.02)),
+        lambda: redundancy_differs(replace(OF, threshold=0.02)),
         lambda: redundancy_differs(replace(OF, gate=0.05)),
         lambda: redundancy_differs(replace(OF, slope=3.0)),
-        lambda: redundancy_differs(replace(OF, loud=6e-4)),
+        lambda: redundancy_differs(replace(OF, largest=1.7e-3)),
         lambda: redundancy_differs(replace(OF, frozen=0.05)),
         lambda: redundancy_differs(replace(OF, away=0.05)),
         lambda: redundancy_differs(replace(OF, jump=0.03)),

@@ -7,9 +7,10 @@ the motion. A residual of healthy sensors is bounded by
 
     |r| <= sum_i |w_i| (resolution_i / 2 + offset_i) + max over the range of |w (h(q) - h(q0))|
 
-White noise adds to it. Its standard deviation is sqrt(pi)/2 times the mean m of |r - r one sample ago|, which also has
-the rounding: r exceeds the offsets by K sqrt(pi)/2 m in a share `chance` of the samples, K the two-sided quantile of
-the normal distribution. A machine without noise has a small m, and no wider threshold than it needs.
+White noise adds to it, of a variance s^2 = sum_i w_i^2 (noise_i^2 + resolution_i^2 / 12) with the rounding. Then |r|
+exceeds the offsets by K s in a share `chance` of the samples, K the two-sided quantile of the normal distribution. The
+mean m of |r - r one sample ago| is 2 s / sqrt(pi), and 0 where nothing moves and there is no noise; between both the
+threshold is linear in m.
 
 Each row is reduced (row echelon form), so it has few entries, and scaled: its
 largest entry is 1 or -1.
@@ -52,20 +53,14 @@ class Tolerance:
 class Relation:
     """Weights (1) by sensor of one residual, and the largest |residual| of healthy sensors, in their unit.
 
-    With noise it is threshold + `slope` (m - `quiet`), m the mean change of the residual in a sample, from `quiet` to
-    `loud`. A `slope` of 0 is that of sensors without noise.
+    With noise it is threshold + `slope` m, m the mean change of the residual in a sample, and at most `largest`. A
+    `slope` of 0 is that of sensors without noise.
     """
 
     weights: Mapping[str, float]
     threshold: float
     slope: float = 0.0
-    quiet: float = 0.0
-    loud: float = 0.0
-
-    @property
-    def largest(self) -> float:
-        """The largest threshold, at the largest noise."""
-        return self.threshold + self.slope * (self.loud - self.quiet)
+    largest: float = 0.0
 
 
 @arguments.checked
@@ -96,7 +91,7 @@ def relations(
     resolution, offset, noise = (
         np.array([getattr(tolerances[n], of) for n in names]) for of in ("resolution", "offset", "noise")
     )
-    slope = -NormalDist().inv_cdf(chance / 2) * sqrt(pi) / 2
+    quantile = -NormalDist().inv_cdf(chance / 2)
     deviations = np.array([np.array(h(p) - h(middle)).ravel() for p in points])
     parities = []
     for w in W:
@@ -109,9 +104,10 @@ def relations(
         curvature = float(np.max(np.abs(deviations @ w), initial=0.0))
         rounding = float(np.abs(w) @ resolution / 2)
         threshold = float(np.abs(w) @ offset) + rounding + curvature
-        loud = 2 / sqrt(pi) * sqrt(float(w**2 @ (noise**2 + resolution**2 / 12)))
-        noisy = (slope, rounding / slope, max(loud, rounding / slope)) if noise[w != 0].any() else ()
-        parities.append(Relation(weights, threshold, *noisy))
+        deviation = sqrt(float(w**2 @ (noise**2 + resolution**2 / 12))) if noise[w != 0].any() else 0.0
+        more = max(0.0, quantile * deviation - rounding)
+        slope = more / (2 * deviation / sqrt(pi)) if more else 0.0
+        parities.append(Relation(weights, threshold, slope, threshold + more if more else 0.0))
     return tuple(parities)
 
 

@@ -154,13 +154,14 @@ def block(
         longest = decision.longest(False)
         next |= {f"still_{n}": redundancy_decision.count(same[n], x[f"still_{n}"], longest) for n in group}
         value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
-        determined, sufficient = ca.SX(1), ca.SX(1)
+        determined, sufficient, learnt = ca.SX(1), ca.SX(1), dict[str, ca.SX]()
         sound = calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
         for i, relation in enumerate(relations):
             vote = _vote(i, relation, by_name, u, x, next, usable, same, decision)
             value |= vote.value
             suspects |= vote.suspects
             next |= vote.next
+            learnt |= vote.learnt
             named += vote.named
             determined = ca.if_else(vote.regular, determined, 0)
             sufficient = ca.if_else(vote.sufficient, sufficient, 0)
@@ -179,10 +180,10 @@ def block(
         output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
         output[safety.SOUND.name] = sound
         output["degraded"] = ca.if_else(calm, 0, u["ready"])
-        always = ("code_", "still_", "change_", "last_residual_")
-        decisions = {n: v for n, v in next.items() if not n.startswith(always)}
+        decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_"))}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
+        next |= {n: ca.if_else(calm, v, x[n]) for n, v in learnt.items()}
         return Step(output, next, named, numbers=decision.numbers(by_name, relations))
 
     made = build(
@@ -200,6 +201,7 @@ class _Vote:
     value: dict[str, ca.SX]
     suspects: dict[str, ca.SX]
     next: dict[str, ca.SX]
+    learnt: dict[str, ca.SX]
     regular: ca.SX
     sufficient: ca.SX
     agreement: ca.SX
@@ -226,14 +228,18 @@ def _vote(
     weights, names = relation.weights, list(relation.weights)
     y, expected = ({n: u[f"{n}_{of}"] for n in names} for of in ("accepted", "expected"))
     r = sum((w * y[n] for n, w in weights.items()), start=ca.SX(0))
-    change = {}
+    threshold, learnt = ca.SX(relation.threshold), {}
     if relation.slope:
-        mean = x[f"change_{i}"] + redundancy_decision.LEARNT * (ca.fabs(r - x[f"last_residual_{i}"]) - x[f"change_{i}"])
-        change = {f"last_residual_{i}": r, f"change_{i}": mean}
+        part, threshold = redundancy_decision.LEARNT, x[f"threshold_{i}"]
+        at_change = part * relation.threshold + part * relation.slope * ca.fabs(r - x[f"last_residual_{i}"])
+        learnt = {
+            f"last_residual_{i}": r,
+            f"threshold_{i}": ca.fmin((1 - part) * threshold + at_change, relation.largest),
+        }
     whole = ca.SX(1)
     for n in names:
         whole = ca.logic_and(whole, usable[n])
-    agreement = ca.fabs(r) <= redundancy_decision.threshold(relation, x.get(f"change_{i}"))
+    agreement = ca.fabs(r) <= threshold
     agrees = ca.logic_or(agreement, ca.logic_not(u["ready"]))
     count, stuck, undecided = (x[f"{of}_{i}"] for of in ("contradictions", "stuck", "undecided"))
     excluded, stands = {n: x[f"excluded_{n}"] for n in names}, {n: still[f"still_{n}"] for n in names}
@@ -271,12 +277,11 @@ def _vote(
         f"stuck_{i}": by_case(stuck, ca.if_else(stuck_now + stuck > 0, 1, 0), stuck),
         f"undecided_{i}": by_case(undecided, waited, doubted),
         **{f"excluded_{n}": by_case(excluded[n], left_out_now[n], left_out[n]) for n in names},
-        **change,
     }
     regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
     shown = redundancy_decision.signals(i, signals[names[0]].unit, r, E, score)
-    return _Vote(value, suspects, next, regular, sufficient, agreement, shown)
+    return _Vote(value, suspects, next, learnt, regular, sufficient, agreement, shown)
 
 
 def _singles(names: Sequence[str], relations: Sequence[Relation], decision: Decision) -> list[str]:

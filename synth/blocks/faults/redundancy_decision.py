@@ -36,7 +36,7 @@ FRESH, STILL = 3, 8  # samples without a change of the code: fewer, it moves; at
 CANDIDATE = 0.4  # of |r|: least E by rule 1
 LEAD = {"by code": 0.05, "by innovation": 0.3}  # of |r|: of the largest E over the next one, by rules 1 and 2, and 3
 PLACES = 200  # of a body, over which the chance of repeated codes is averaged
-LEARNT = 1 / 256  # in a sample, of the mean change of a residual: long beside a fault, its deviation is 4 %
+LEARNT = 1 / 256  # in a sample, of a threshold: long beside a fault, and the noise deviates by 4 % from its mean
 PREFERENCE = 10.0  # added to E by rules 1 and 2; larger than any reading
 
 
@@ -71,13 +71,6 @@ def isolate(
     return score, best, ca.logic_and(distinct, ca.logic_or(by_code, ca.logic_not(undecided)))
 
 
-def threshold(relation: Relation, change: ca.SX | None) -> ca.SX:
-    """Return the largest |residual| of a relation without a fault, for its mean `change` in a sample."""
-    if change is None:
-        return ca.SX(relation.threshold)
-    return (relation.threshold - relation.slope * relation.quiet) + relation.slope * change
-
-
 def signals(i: int, unit: str, r: ca.SX, E: Exprs, score: Exprs) -> list[tuple[Signal, ca.SX]]:
     """Return the signals of relation i that the C names, for readings in a unit."""
     most = 10 * PREFERENCE
@@ -88,18 +81,16 @@ def signals(i: int, unit: str, r: ca.SX, E: Exprs, score: Exprs) -> list[tuple[S
 
 def numbers_of_relation(unit: str, i: int, relation: Relation) -> list[Constant]:
     """Return the numbers of the rules and of relation i that the C names, for readings in a unit."""
-    largest, constant = relation.threshold, relation.threshold - relation.slope * relation.quiet
+    about, part = "largest |r| without a fault: half a count and an offset of each sensor", LEARNT
     by_noise = [
-        Constant(f"threshold_{i}", constant, unit, "largest |r| without a fault, noise and rounding: offsets"),
-        Constant(f"slope_{i}", relation.slope, "1", "of the threshold over the mean change of r in a sample"),
-        Constant("learnt_part", LEARNT, "1", "of the mean change of r, in a sample"),
-        Constant(f"quiet_{i}", relation.quiet, unit, "mean change of r by rounding alone", is_limit=True),
-        Constant(f"loud_{i}", relation.loud, unit, "mean change of r by the largest noise", is_limit=True),
+        Constant(f"quiet_part_{i}", part * relation.threshold, unit, "of the threshold without noise, in a sample"),
+        Constant(f"learnt_part_{i}", part * relation.slope, "1", "of the change of r, learnt in a sample"),
+        Constant("kept_part", 1 - part, "1", "of the threshold, in a sample"),
+        Constant(f"largest_{i}", relation.largest, unit, "threshold at the largest noise", is_limit=True),
     ]
-    about = "largest |r| without a fault: half a count and an offset of each sensor"
-    quiet = [Constant(f"threshold_{i}", largest, unit, about)]
+    constant = [Constant(f"threshold_{i}", relation.threshold, unit, about)]
     return [
-        *(by_noise if relation.slope else quiet),
+        *(by_noise if relation.slope else constant),
         Constant(
             "candidate_part",
             CANDIDATE,
@@ -323,8 +314,9 @@ def states(grouped: Sequence[Signal], relations: Sequence[Relation], decision: D
         if relation.slope:
             unit, most = grouped[0].unit, 1.01 * _largest_residual(grouped, relation)
             last = Signal(f"last_residual_{i}", unit, -most, most, "of the parity relation one sample ago")
-            mean = Signal(f"change_{i}", unit, relation.quiet, relation.loud, "mean |change| of the residual")
-            declared += [State(last, 0.0), State(mean, relation.loud)]
+            low, high = (1 - 1e-3) * relation.threshold, (1 + 1e-6) * relation.largest
+            largest = Signal(f"threshold_{i}", unit, low, high, "largest |residual| without a fault, by its noise")
+            declared += [State(last, 0.0), State(largest, relation.largest)]
         samples = Signal(f"contradictions_{i}", "1", 0, decision.undecided, "samples in a row")
         declared.append(State(samples, 0, True))
         declared.append(State(_flag(f"stuck_{i}", "the excluded sensor stood still"), 0, True))

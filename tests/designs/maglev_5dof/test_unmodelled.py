@@ -61,7 +61,7 @@ def test_noise_of_a_count_on_every_encoder_and_a_wrong_scale_set_no_bit(
 def test_a_threshold_that_does_not_follow_the_noise_names_sound_encoders() -> None:
     """The planted defect: the threshold of a quiet machine, and the gate of frozen codes without noise."""
     wrong = Readings(noise=fault_handling.SOUND.noise)
-    quiet = with_defect(RIGS[DESIGN.name], "(slope_0 * redundancy_change_0)", "2e-5f")
+    quiet = with_defect(RIGS[DESIGN.name], "size <= redundancy_threshold_0", "size <= 4.8e-5f")
     assert np.bitwise_or.reduce(disturbed(quiet, 0, False, wrong).faults) >> 11 & 0xF
     gate = with_defect(RIGS[PRECISE.name], "frozen_gate = 8.2e-05f", "frozen_gate = 4e-05f")
     assert any(np.bitwise_or.reduce(disturbed(gate, i, False, wrong).faults) >> 15 & 3 for i in range(3))
