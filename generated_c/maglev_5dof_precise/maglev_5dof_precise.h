@@ -60,12 +60,12 @@
  * outside its range    |                                   | relation           | axes go on
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * one of y1, y2, y3    | bits 11 to 14; |residual| above   | what the others    | from then on no relation is left:
- * and y4 frozen,       | 4.8e-05 m (up to 0.000155178 m    | say, by the parity | another wrong one is not noticed; all
- * offset, drifting or  | with noise) in 3 samples in a     | relation           | axes go on
- * jumping              | row, and one has by far the       |                    |
- *                      | largest innovation or alone a     |                    |
- *                      | code that stands still (3 or 8    |                    |
- *                      | samples): excluded until init     |                    |
+ * and y4 frozen,       | 4.8e-05 m in 3 samples in a row   | say, by the parity | another wrong one is not noticed; all
+ * offset, drifting or  | (with noise up to 0.000155 m),    | relation           | axes go on
+ * jumping              | and one has by far the largest    |                    |
+ *                      | innovation or alone a code that   |                    |
+ *                      | stands still (3 or 8 samples):    |                    |
+ *                      | excluded until init               |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * the same, but which  | bits 11 to 14; the same in 10     | nothing: those in  | lands, y, phi and theta by the
  * one is not clear:    | samples in a row, or an excluded  | use stay in use,   | readings as they are; then all

@@ -191,7 +191,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         strayed = growth > decision.wide_frozen[n] if n in decision.wide_frozen else ca.SX(0)
         far, jumping, last, gradual = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(0)
         away = ca.logic_and(distance > decision.away[n], doubts <= DOUBTS) if n in decision.away else ca.SX(0)
-        counted, most = _is_counted(u, missed_calls), decision.doubts(n)
+        counted, most = _is_next_call(u, missed_calls), decision.doubts(n)
         in_time = ca.logic_and(u[safety.JUDGING.name], counted)
         sudden = ca.logic_or(doubts < 1, grown)
         contradicts = ca.logic_and(ca.logic_or(sudden, away), in_time)
@@ -249,7 +249,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
     )  # fmt: skip
 
 
-def _is_counted(u: Exprs, missed_calls: Signal | None) -> ca.SX:
+def _is_next_call(u: Exprs, missed_calls: Signal | None) -> ca.SX:
     """Return whether no call is missing before this sample; a count below 0 is as bad as one that is NaN."""
     if not missed_calls:
         return ca.SX(1)

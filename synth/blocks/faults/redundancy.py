@@ -59,11 +59,11 @@ def of_redundancy(
 def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decision) -> list[Failure]:
     names = tuple(relation.weights)
     unit, most = signals[names[0]].unit, decision.tolerated
-    above = f"{relation.threshold:g} {unit}"
-    above += f" (up to {relation.largest:g} {unit} with noise)" if relation.slope else ""
+    noisy = f" (with noise up to {relation.largest:.3g} {unit})" if relation.slope else ""
     wrong = (
-        f"|residual| above {above} in {decision.persistent} samples in a row, and one has by far "
-        f"the largest innovation or alone a code that stands still ({FRESH} or {STILL} samples): excluded until init"
+        f"|residual| above {relation.threshold:g} {unit} in {decision.persistent} samples in a row{noisy}, and one has "
+        f"by far the largest innovation or alone a code that stands still ({FRESH} or {STILL} samples): excluded until "
+        "init"
     )
     unclear = (
         f"the same in {decision.undecided} samples in a row, or an excluded one moves again after it stood still: "
