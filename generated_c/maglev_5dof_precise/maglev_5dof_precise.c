@@ -576,6 +576,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
 
     /* redundancy: parity, innovations, frozen codes */
     static const float kept_part = 0.99609375f;                 /* 1; of the threshold, in a sample */
+    static const float smooth_squared = 1e-14f; /* m^2; of a change of r: it has no kink where nothing moves */
     static const float learnt_part_0 = 0.017823689f;            /* 1; of the change of r, learnt in a sample */
     static const float quiet_part_0 = 1.875e-07f;               /* m; of the threshold without noise, in a sample */
     static const float largest_0 = 0.00015517752f;              /* m; threshold at the largest noise */
@@ -583,9 +584,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const float residual_0 = residual_0_without_y4 - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const bool sound = (guard_ready != 0u) && complete && (redundancy_degraded == 0u);
-    const float size = fabsf(residual_0);
+    const float size_score_y1 = fabsf(residual_0);
     const float redundancy_threshold_0 = state->redundancy_threshold_0;
-    const bool agreement = size <= redundancy_threshold_0;
+    const bool agreement = size_score_y1 <= redundancy_threshold_0;
     const bool same_y1 = maglev_5dof_precise_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -646,9 +647,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
     uint32_t redundancy_degraded_next = redundancy_degraded;
     if (sound && agreement && x_monitor.usual && z_monitor.usual) {
-        const float redundancy_threshold_0_sum = (kept_part * redundancy_threshold_0) +
-            (quiet_part_0 + (learnt_part_0 * fabsf(residual_0 - redundancy_last_residual_0)));
-        redundancy_threshold_0_next = maglev_5dof_precise_min(redundancy_threshold_0_sum, largest_0);
+        const float change = residual_0 - redundancy_last_residual_0;
+        redundancy_threshold_0_next = maglev_5dof_precise_min((kept_part * redundancy_threshold_0) +
+            (quiet_part_0 + (learnt_part_0 * sqrtf((change * change) + smooth_squared))), largest_0);
     } else {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
@@ -674,10 +675,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
          *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
          *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
          *     last_residual_0_next = residual_0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual,
-         *         else last_residual_0
-         *     threshold_0_next = min(kept_part * threshold_0 + quiet_part_0 + learnt_part_0 * |residual_0 -
-         *         last_residual_0|, largest_0) if sound and |residual_0| <= threshold_0 and x_usual and z_usual,
-         *         else threshold_0 */
+         *         else last_residual_0 */
         static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
         /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
         static const float candidate_part = 0.4f;
@@ -727,7 +725,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
                 const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
                 const bool repeats_y1 = repeated_samples <= still_y1;
-                const float least_E = candidate_part * size;
+                const float least_E = candidate_part * size_score_y1;
                 const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
                 const bool repeats_y2 = repeated_samples <= still_y2;
                 const bool candidate_y2 = repeats_y2 && (least_E < E_y2);
@@ -775,7 +773,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 const float best = maglev_5dof_precise_max(best_y3, score_y4);
                 const float second_y3 = maglev_5dof_precise_max(maglev_5dof_precise_max(-preference,
                     maglev_5dof_precise_min(best_y1, score_y2)), maglev_5dof_precise_min(best_y2, score_y3));
-                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) <
+                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size_score_y1) <
                     (best - maglev_5dof_precise_max(second_y3, maglev_5dof_precise_min(best_y3, score_y4)))) &&
                     (by_code || agreeing)) ? best : twice_preference;
                 const bool isolated_y1 = least <= score_y1;

@@ -27,6 +27,7 @@ Columns = Mapping[str, NDArray[Any]]
 
 FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
 CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
+SMOOTH = 1e-7  # m, of a change of the residual
 LEARNT = 1 / 256  # of the threshold, in a sample without a contradiction
 
 
@@ -129,7 +130,7 @@ def readings(
     next |= dict(zip(of.states("doubts")[g:], kept_doubts, strict=True))
     calm = sound & usual.all(axis=0) & (np.abs(of.parity(y[:g])) <= threshold)
     last_r = np.asarray(state["redundancy_last_residual_0"])
-    learnt = (1 - LEARNT) * threshold + LEARNT * (of.threshold + of.slope * np.abs(r - last_r))
+    learnt = (1 - LEARNT) * threshold + LEARNT * (of.threshold + of.slope * np.sqrt((r - last_r) ** 2 + SMOOTH**2))
     next["redundancy_threshold_0"] = np.where(calm, np.minimum(learnt, of.largest), threshold)
     next["redundancy_last_residual_0"] = np.where(calm, r, last_r)
     jump_counts = np.where(jumps & (counted < PERSISTENT - 1), counted + 1, 0)

@@ -231,7 +231,9 @@ def _vote(
     threshold, learnt = ca.SX(relation.threshold), {}
     if relation.slope:
         part, threshold = redundancy_decision.LEARNT, x[f"threshold_{i}"]
-        at_change = part * relation.threshold + part * relation.slope * ca.fabs(r - x[f"last_residual_{i}"])
+        change = r - x[f"last_residual_{i}"]
+        size = ca.sqrt(change * change + redundancy_decision.SMOOTH**2)  # |change| without a kink at rest
+        at_change = part * relation.threshold + part * relation.slope * size
         learnt = {
             f"last_residual_{i}": r,
             f"threshold_{i}": ca.fmin((1 - part) * threshold + at_change, relation.largest),

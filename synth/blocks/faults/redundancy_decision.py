@@ -35,6 +35,7 @@ from synth.signals import Signal
 FRESH, STILL = 3, 8  # samples without a change of the code: fewer, it moves; at least, it stands still
 CANDIDATE = 0.4  # of |r|: least E by rule 1
 LEAD = {"by code": 0.05, "by innovation": 0.3}  # of |r|: of the largest E over the next one, by rules 1 and 2, and 3
+SMOOTH = 1e-7  # of a change of a residual, in its unit: below it the size of the change has no kink
 PLACES = 200  # of a body, over which the chance of repeated codes is averaged
 LEARNT = 1 / 256  # in a sample, of a threshold: long beside a fault, and the noise deviates by 4 % from its mean
 PREFERENCE = 10.0  # added to E by rules 1 and 2; larger than any reading
@@ -85,6 +86,7 @@ def numbers_of_relation(unit: str, i: int, relation: Relation) -> list[Constant]
     by_noise = [
         Constant(f"quiet_part_{i}", part * relation.threshold, unit, "of the threshold without noise, in a sample"),
         Constant(f"learnt_part_{i}", part * relation.slope, "1", "of the change of r, learnt in a sample"),
+        Constant("smooth_squared", SMOOTH**2, f"{unit}^2", "of a change of r: it has no kink where nothing moves"),
         Constant("kept_part", 1 - part, "1", "of the threshold, in a sample"),
         Constant(f"largest_{i}", relation.largest, unit, "threshold at the largest noise", is_limit=True),
     ]
