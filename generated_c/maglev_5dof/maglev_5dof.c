@@ -541,9 +541,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float residual_0 = residual_0_without_y4 - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const bool sound = (guard_ready != 0u) && complete && (redundancy_degraded == 0u);
-    const float size_score_y1 = fabsf(residual_0);
+    const float size = fabsf(residual_0);
     const float redundancy_threshold_0 = state->redundancy_threshold_0;
-    const bool agreement = size_score_y1 <= redundancy_threshold_0;
+    const bool agreement = size <= redundancy_threshold_0;
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -683,7 +683,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
                 const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
                 const bool repeats_y1 = repeated_samples <= still_y1;
-                const float least_E = candidate_part * size_score_y1;
+                const float least_E = candidate_part * size;
                 const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
                 const bool repeats_y2 = repeated_samples <= still_y2;
                 const bool candidate_y2 = repeats_y2 && (least_E < E_y2);
@@ -731,8 +731,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-preference,
                     maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)),
                     maglev_5dof_min(best_y3, score_y4));
-                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size_score_y1) <
-                    (best - second)) && (by_code || agreeing)) ? best : twice_preference;
+                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) < (best - second)) &&
+                    (by_code || agreeing)) ? best : twice_preference;
                 const bool isolated_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
                 const uint32_t waited = (undecided_from <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;

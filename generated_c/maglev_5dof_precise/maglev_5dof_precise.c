@@ -584,9 +584,9 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
     const float residual_0 = residual_0_without_y4 - y4_accepted;
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const bool sound = (guard_ready != 0u) && complete && (redundancy_degraded == 0u);
-    const float size_score_y1 = fabsf(residual_0);
+    const float size = fabsf(residual_0);
     const float redundancy_threshold_0 = state->redundancy_threshold_0;
-    const bool agreement = size_score_y1 <= redundancy_threshold_0;
+    const bool agreement = size <= redundancy_threshold_0;
     const bool same_y1 = maglev_5dof_precise_equal(y1_accepted, state->redundancy_code_y1);
     uint32_t still_y1 = 0u;
     if (same_y1) {
@@ -725,7 +725,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
                 const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
                 const bool repeats_y1 = repeated_samples <= still_y1;
-                const float least_E = candidate_part * size_score_y1;
+                const float least_E = candidate_part * size;
                 const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
                 const bool repeats_y2 = repeated_samples <= still_y2;
                 const bool candidate_y2 = repeats_y2 && (least_E < E_y2);
@@ -773,7 +773,7 @@ uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const magl
                 const float best = maglev_5dof_precise_max(best_y3, score_y4);
                 const float second_y3 = maglev_5dof_precise_max(maglev_5dof_precise_max(-preference,
                     maglev_5dof_precise_min(best_y1, score_y2)), maglev_5dof_precise_min(best_y2, score_y3));
-                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size_score_y1) <
+                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) <
                     (best - maglev_5dof_precise_max(second_y3, maglev_5dof_precise_min(best_y3, score_y4)))) &&
                     (by_code || agreeing)) ? best : twice_preference;
                 const bool isolated_y1 = least <= score_y1;

@@ -232,8 +232,8 @@ def _vote(
     if relation.slope:
         part, threshold = redundancy_decision.LEARNT, x[f"threshold_{i}"]
         change = r - x[f"last_residual_{i}"]
-        size = ca.sqrt(change * change + redundancy_decision.SMOOTH**2)  # |change| without a kink at rest
-        at_change = part * relation.threshold + part * relation.slope * size
+        moved = ca.sqrt(change * change + redundancy_decision.SMOOTH**2)  # |change| without a kink at rest
+        at_change = part * relation.threshold + part * relation.slope * moved
         learnt = {
             f"last_residual_{i}": r,
             f"threshold_{i}": ca.fmin((1 - part) * threshold + at_change, relation.largest),
