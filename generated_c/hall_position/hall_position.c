@@ -1,5 +1,4 @@
 /* hall_position. Generated: do not edit. */
-/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "hall_position.h"
 #include <float.h>
 #include <math.h>
@@ -35,6 +34,11 @@ static inline uint32_t hall_position_flag(bool holds)
 #define HALL_POSITION_INLINE static inline __attribute__((always_inline))
 #else
 #define HALL_POSITION_INLINE static inline
+#endif
+#if defined(__OPTIMIZE_SIZE__)
+#define HALL_POSITION_LARGE static inline
+#else
+#define HALL_POSITION_LARGE HALL_POSITION_INLINE
 #endif
 /* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 HALL_POSITION_INLINE float hall_position_hold_within(float value, float high, float *last, uint32_t bit,
@@ -110,67 +114,70 @@ static inline float sine_4_polynomial(float t)
     return 1.0f + (t * (-0.16666621f + (t * (0.008330503f + (t * -0.00019336317f)))));
 }
 
-void hall_position_init(hall_position_state_t *state)
+/* guard: range acceptance, hold, latch
+ *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
+HALL_POSITION_INLINE uint32_t hall_position_guard(hall_position_guard_state_t *state, bool complete,
+    uint32_t latched_before)
 {
-    /* A member that is not named is 0. */
-    *state = (hall_position_state_t){
-        .guard_left = 5u,
-        .estimator_searching = 1u,
-    };
-}
-
-uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
-{
-    /* guard: range acceptance, hold, latch
-     *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
     static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
-    uint32_t faults = 0u;
-    const float V_ax_held = hall_position_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u, &faults);
-    const float V_ay_held = hall_position_hold_within(in->V_ay, 5.0f, &state->guard_last_V_ay, 0x00000002u, &faults);
-    const float V_bx_held = hall_position_hold_within(in->V_bx, 5.0f, &state->guard_last_V_bx, 0x00000004u, &faults);
-    const float V_by_held = hall_position_hold_within(in->V_by, 5.0f, &state->guard_last_V_by, 0x00000008u, &faults);
-    const bool complete = (faults & 0x0000000fu) == 0u;
-    const uint32_t guard_latched = state->guard_latched;
-    uint32_t latched = guard_latched;
+
+    uint32_t latched = latched_before;
     if (complete) {
-        state->guard_left = latch_samples;
-        state->guard_ready = 1u;
+        state->left = latch_samples;
+        state->ready = 1u;
     } else {
-        const uint32_t guard_left = state->guard_left;
-        if (guard_left <= 1u) {
+        const uint32_t left = state->left;
+        if (left <= 1u) {
             latched = 1u;
         } else {
-            state->guard_left = guard_left - 1u;
+            state->left = left - 1u;
         }
     }
-    if (latched != 0u) {
-        state->guard_latched = 1u;
-        faults |= 0x80000000u;
-    }
+    return latched;
+}
 
-    /* estimator: GLSDC, Fig. 9
-     *     yaw_part_sine = 4 * sin(0.25 * (estimator_yaw + motion_yaw))
-     *     yaw_part_cosine = cos(0.25 * (estimator_yaw + motion_yaw))
-     *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
-     *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
-     *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
-     *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
-     *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
-     *         bx_part_full, by_part_full
-     *     deviation_X = sigma_per_wave_number * sqrt(inverse_1 + by_yaw_X^2 * yaw_variance); likewise
-     *         deviation_Y
-     *     valid = integrity_good and (resolved and not lock_lost and (inside and complete))
-     *     phase_x_next = (start_x + start_step_x + two_pi if start_x + start_step_x < -pi, else start_x +
-     *         start_step_x) if restart, else pose_phase_x; likewise phase_y_next
-     *     start_x_next = (start_x + start_step_x + two_pi if start_x + start_step_x < -pi, else start_x +
-     *         start_step_x) if restart, else start_x; likewise start_y_next
-     *     lock_lost_next = lock_lost or acquired and (restart or (not counted or (yaw_limit if resolved, else
-     *         ambiguous_yaw_limit) < size)) */
+typedef struct {
+    float X;
+    float Y;
+    float yaw;
+    float deviation_X;
+    float deviation_Y;
+    float deviation_yaw;
+    float residual;
+    bool converged;
+    bool damped;
+    bool valid;
+} hall_position_estimator_t;
+
+/* estimator: GLSDC, Fig. 9
+ *     yaw_part_sine = 4 * sin(0.25 * (estimator_yaw + motion_yaw))
+ *     yaw_part_cosine = cos(0.25 * (estimator_yaw + motion_yaw))
+ *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
+ *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
+ *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
+ *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
+ *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
+ *         bx_part_full, by_part_full
+ *     deviation_X = sigma_per_wave_number * sqrt(inverse_1 + by_yaw_X^2 * yaw_variance); likewise
+ *         deviation_Y
+ *     valid = integrity_good and (resolved and not lock_lost and (inside and complete))
+ *     phase_x_next = (start_x + start_step_x + two_pi if start_x + start_step_x < -pi, else start_x +
+ *         start_step_x) if restart, else pose_phase_x; likewise phase_y_next
+ *     start_x_next = (start_x + start_step_x + two_pi if start_x + start_step_x < -pi, else start_x +
+ *         start_step_x) if restart, else start_x; likewise start_y_next
+ *     lock_lost_next = lock_lost or acquired and (restart or (not counted or (yaw_limit if resolved, else
+ *         ambiguous_yaw_limit) < size)) */
+HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_position_estimator_state_t *state,
+    float V_ax_held, float V_ay_held, float V_bx_held, float V_by_held, bool complete)
+{
     /* rad; arm of sensor a along x, times 2 pi over the pitch; arm of sensor a along y, times 2 pi over the pitch; arm
      * of sensor b along x, times 2 pi over the pitch; arm of sensor b along y, times 2 pi over the pitch; of a x, a y,
      * b x, b y */
     static const float arm = 2.3561945f;
     static const float largest_phase = 6.973755f;               /* rad; largest size of a phase; of ax, ay, bx, by */
+    static const float field_1 = 2.24906f; /* V; alpha + 5 beta: of sin p in the field alpha sin p + beta sin 5p */
+    static const float field_3 = 3.60456f; /* V; -20 beta: of sin^3 p in the field alpha sin p + beta sin 5p */
+    static const float field_5 = -2.883648f; /* V; 16 beta: of sin^5 p in the field alpha sin p + beta sin 5p */
     /* V^2/rad^2; channel_variance / sigma^2, sigma = 0.0100383 rad of the prior; of x, y */
     static const float prior_weight_phase = 0.00992376f;
     static const float largest_L_yaw_phase = 8330.405f;         /* 1; bound of L in row yaw; of x, y */
@@ -183,18 +190,18 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     static const float rounding_factor = 1.000002f;             /* 1; of a cost that counts as no higher */
     static const float slack = 1e-08f; /* V^2; rise of the cost that counts as none: rounding */
     static const float largest_change = 0.97596323f; /* rad; largest change of a phase in a sample; of ax, ay, bx, by */
-    static const float residual_limit = 0.01f;                  /* V^2; 1 times the square of 0.1 V rms */
-    static const float squared_radius = 11.103305f;             /* rad^2; of the arms of the sensors, sum of squares */
-    static const float squared_gate = 0.0009069143f;            /* rad^2; 3 sigma of the innovation, squared */
     /* V^2; (0.1 channel_sigma)^2: a smaller predicted decrease has converged */
     static const float decrease_tolerance = 1e-08f;
-    static const float yaw_window = 0.08726646f; /* rad; about the last good yaw: there two sensors are unambiguous */
-    static const float pi = 3.1415927f;                         /* 1; pi */
-    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     static const float length_per_phase = 0.008085071f;         /* m/rad; pitch / (2 pi) */
+    static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float residual_limit = 0.01f;                  /* V^2; 1 times the square of 0.1 V rms */
+    static const float squared_gate = 0.0009069143f;            /* rad^2; 3 sigma of the innovation, squared */
+    static const float squared_radius = 11.103305f;             /* rad^2; of the arms of the sensors, sum of squares */
+    static const float yaw_window = 0.08726646f; /* rad; about the last good yaw: there two sensors are unambiguous */
+    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     static const float pitch = 0.0508f;                         /* m; of the magnet matrix */
-    static const float yaw_damping = -2.644477f; /* V^2/rad^2; (1 - r^2) times that of the phases, r = 5 */
     static const float sigma_per_wave_number = 8.085071e-06f;   /* V m/rad; deviation of a voltage, pitch / (2 pi) */
+    static const float yaw_damping = -2.644477f; /* V^2/rad^2; (1 - r^2) times that of the phases, r = 5 */
     static const float channel_sigma = 0.001f;                  /* V; deviation of a channel, from R */
     static const float root_regularisation = 1e-30f;            /* V^2; keeps the argument of a root positive */
     static const float damped_from = 15.115238f; /* 1/V^2; 0.15 parameters that the prior decides, over the damping */
@@ -205,20 +212,15 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     static const float start_step_y = -2.702773f; /* rad; from one start to the next, in the negative direction */
     static const float yaw_velocity_gain = 0.1f; /* 1; of a correction, added to the predicted motion of the yaw */
     static const float ambiguous_yaw_limit = 0.08726646f;       /* rad; before the ambiguity is resolved */
-    /* V; alpha + 5 beta: of sin p in the field alpha sin p + beta sin 5p */
-    static const float estimator_field_1 = 2.24906f;
-    /* V; -20 beta: of sin^3 p in the field alpha sin p + beta sin 5p */
-    static const float estimator_field_3 = 3.60456f;
-    /* V; 16 beta: of sin^5 p in the field alpha sin p + beta sin 5p */
-    static const float estimator_field_5 = -2.883648f;
-    const float estimator_motion_yaw = state->estimator_motion_yaw;
-    const float prediction_yaw = state->estimator_yaw + estimator_motion_yaw;
+
+    const float motion_yaw = state->motion_yaw;
+    const float prediction_yaw = state->yaw + motion_yaw;
     const float yaw_part_cosine_argument = prediction_yaw * prediction_yaw;
     const float sine = prediction_yaw * sine_polynomial(yaw_part_cosine_argument);
     const float yaw_part_sine = 4.0f * sine;
     const float yaw_part_cosine = yaw_part_cosine_polynomial(yaw_part_cosine_argument);
-    const float estimator_motion_x = state->estimator_motion_x;
-    const float prediction_phase_x = state->estimator_phase_x + estimator_motion_x;
+    const float motion_x = state->motion_x;
+    const float prediction_phase_x = state->phase_x + motion_x;
     const float s_yaw = hall_position_limit(4.0f * (sine * yaw_part_cosine), 2.0f);
     const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
     const float arm_times_heading_cosine = arm * heading_cosine;
@@ -237,8 +239,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float sines_2_ax = 8.0f * sine_2_times_ax_part_cosine;
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
-    const float estimator_motion_y = state->estimator_motion_y;
-    const float prediction_phase_y = state->estimator_phase_y + estimator_motion_y;
+    const float motion_y = state->motion_y;
+    const float prediction_phase_y = state->phase_y + motion_y;
     const float limited_ay = hall_position_limit(prediction_phase_y - arm_times_heading_cosine - arm_times_heading_sine,
         largest_phase);
     const float ay_part_cosine_argument = limited_ay * limited_ay;
@@ -280,42 +282,41 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float ax_part_full_squared = ax_part_full * ax_part_full;
-    const float estimator_field_3_scaled = 3.0f * estimator_field_3;
-    const float converged_product = ax_part_full_squared * estimator_field_5;
-    const float rows_1_1_converged = start_cosine_ax * (estimator_field_1 +
-        (ax_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product))));
+    const float field_3_scaled = 3.0f * field_3;
+    const float converged_product = ax_part_full_squared * field_5;
+    const float rows_1_1_converged = start_cosine_ax * (field_1 +
+        (ax_part_full_squared * (field_3_scaled + (5.0f * converged_product))));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float converged_product_2 = ay_part_full_squared * estimator_field_5;
-    const float converged_product_3 = ay_part_full * (estimator_field_1 +
-        (ay_part_full_squared * (estimator_field_3 + converged_product_2)));
+    const float converged_product_2 = ay_part_full_squared * field_5;
+    const float converged_product_3 = ay_part_full * (field_1 +
+        (ay_part_full_squared * (field_3 + converged_product_2)));
     const float rows_1_3_converged = (rows_1_1_converged * (arm_times_heading_cosine + arm_times_heading_sine)) +
         converged_product_3;
-    const float converged_product_4 = ax_part_full * (estimator_field_1 +
-        (ax_part_full_squared * (estimator_field_3 + converged_product)));
+    const float converged_product_4 = ax_part_full * (field_1 + (ax_part_full_squared * (field_3 + converged_product)));
     const float residuals_1_converged = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held) - converged_product_4;
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
-    const float rows_2_2_converged = start_cosine_ay * (estimator_field_1 +
-        (ay_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_2))));
+    const float rows_2_2_converged = start_cosine_ay * (field_1 +
+        (ay_part_full_squared * (field_3_scaled + (5.0f * converged_product_2))));
     const float minus_rows_2_3_converged = converged_product_4 -
         (rows_2_2_converged * (arm_times_heading_sine - arm_times_heading_cosine));
     const float residuals_2_converged = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held) - converged_product_3;
     const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float converged_product_5 = bx_part_full_squared * estimator_field_5;
-    const float rows_3_1_converged = start_cosine_bx * (estimator_field_1 +
-        (bx_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_5))));
+    const float converged_product_5 = bx_part_full_squared * field_5;
+    const float rows_3_1_converged = start_cosine_bx * (field_1 +
+        (bx_part_full_squared * (field_3_scaled + (5.0f * converged_product_5))));
     const float by_part_full_squared = by_part_full * by_part_full;
-    const float converged_product_6 = by_part_full_squared * estimator_field_5;
-    const float converged_product_7 = by_part_full * (estimator_field_1 +
-        (by_part_full_squared * (estimator_field_3 + converged_product_6)));
+    const float converged_product_6 = by_part_full_squared * field_5;
+    const float converged_product_7 = by_part_full * (field_1 +
+        (by_part_full_squared * (field_3 + converged_product_6)));
     const float rows_3_3_converged = (rows_3_1_converged * ((-arm * heading_cosine) - arm_times_heading_sine)) +
         converged_product_7;
-    const float converged_product_8 = bx_part_full * (estimator_field_1 +
-        (bx_part_full_squared * (estimator_field_3 + converged_product_5)));
+    const float converged_product_8 = bx_part_full * (field_1 +
+        (bx_part_full_squared * (field_3 + converged_product_5)));
     const float residuals_3_converged = (heading_cosine * V_bx_held) - (heading_sine * V_by_held) - converged_product_8;
     const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
-    const float rows_4_2_converged = start_cosine_by * (estimator_field_1 +
-        (by_part_full_squared * (estimator_field_3_scaled + (5.0f * converged_product_6))));
+    const float rows_4_2_converged = start_cosine_by * (field_1 +
+        (by_part_full_squared * (field_3_scaled + (5.0f * converged_product_6))));
     const float minus_rows_4_3_converged = converged_product_8 -
         (rows_4_2_converged * (arm_times_heading_cosine - arm_times_heading_sine));
     const float residuals_4_converged = (heading_cosine * V_by_held) + (heading_sine * V_bx_held) - converged_product_7;
@@ -360,9 +361,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
         (start_cosine_ax * by_sine_ax_converged);
     const float converged_square = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_product_11 = converged_square * estimator_field_5;
-    const float converged_product_12 = phasors_1_sine_converged * (estimator_field_1 +
-        (converged_square * (estimator_field_3 + converged_product_11)));
+    const float converged_product_11 = converged_square * field_5;
+    const float converged_product_12 = phasors_1_sine_converged * (field_1 +
+        (converged_square * (field_3 + converged_product_11)));
     const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) -
         (turns_3_sine_converged * V_ay_held) - converged_product_12;
     const float then_2_converged = hall_position_limit((gradient_2_converged * converged_inverse_2) -
@@ -374,9 +375,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
         (start_cosine_ay * by_sine_ay_converged);
     const float converged_square_2 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_product_13 = converged_square_2 * estimator_field_5;
-    const float converged_product_14 = phasors_2_sine_converged * (estimator_field_1 +
-        (converged_square_2 * (estimator_field_3 + converged_product_13)));
+    const float converged_product_13 = converged_square_2 * field_5;
+    const float converged_product_14 = phasors_2_sine_converged * (field_1 +
+        (converged_square_2 * (field_3 + converged_product_13)));
     const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) +
         (turns_3_sine_converged * V_ax_held) - converged_product_14;
     const float by_bx_converged = then_1_converged + converged_product_9 - converged_product_10;
@@ -386,9 +387,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
         (start_cosine_bx * by_sine_bx_converged);
     const float converged_square_3 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_product_15 = converged_square_3 * estimator_field_5;
-    const float converged_product_16 = phasors_3_sine_converged * (estimator_field_1 +
-        (converged_square_3 * (estimator_field_3 + converged_product_15)));
+    const float converged_product_15 = converged_square_3 * field_5;
+    const float converged_product_16 = phasors_3_sine_converged * (field_1 +
+        (converged_square_3 * (field_3 + converged_product_15)));
     const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) -
         (turns_3_sine_converged * V_by_held) - converged_product_16;
     const float by_converged = then_2_converged + converged_product_9 + converged_product_10;
@@ -397,9 +398,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float by_sine_converged = by_converged * sine_4_polynomial(cosine_argument_4);
     const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
     const float converged_square_4 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_product_17 = converged_square_4 * estimator_field_5;
-    const float converged_product_18 = phasors_4_sine_converged * (estimator_field_1 +
-        (converged_square_4 * (estimator_field_3 + converged_product_17)));
+    const float converged_product_17 = converged_square_4 * field_5;
+    const float converged_product_18 = phasors_4_sine_converged * (field_1 +
+        (converged_square_4 * (field_3 + converged_product_17)));
     const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) +
         (turns_3_sine_converged * V_bx_held) - converged_product_18;
     const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) + (residuals_2_converged_2 *
@@ -410,25 +411,22 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         (residuals_2_converged * residuals_2_converged) + (residuals_3_converged * residuals_3_converged) +
         (residuals_4_converged * residuals_4_converged);
     const bool better_converged = cost_converged <= ((rounding_factor * squares_converged) + slack);
-    const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) -
-        (ax_part_full * by_sine_ax_converged)) * (estimator_field_1 +
-        (converged_square * (estimator_field_3_scaled + (5.0f * converged_product_11))));
+    const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) - (ax_part_full *
+        by_sine_ax_converged)) * (field_1 + (converged_square * (field_3_scaled + (5.0f * converged_product_11))));
     const float converged_product_19 = arm * turns_3_cosine_converged;
     const float converged_product_20 = arm * turns_3_sine_converged;
     const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_product_19 + converged_product_20)) +
         converged_product_14;
-    const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) -
-        (ay_part_full * by_sine_ay_converged)) * (estimator_field_1 +
-        (converged_square_2 * (estimator_field_3_scaled + (5.0f * converged_product_13))));
+    const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) - (ay_part_full *
+        by_sine_ay_converged)) * (field_1 + (converged_square_2 * (field_3_scaled + (5.0f * converged_product_13))));
     const float minus_rows_2_3_converged_2 = converged_product_12 -
         (rows_2_2_converged_2 * (converged_product_20 - converged_product_19));
-    const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) -
-        (bx_part_full * by_sine_bx_converged)) * (estimator_field_1 +
-        (converged_square_3 * (estimator_field_3_scaled + (5.0f * converged_product_15))));
+    const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) - (bx_part_full *
+        by_sine_bx_converged)) * (field_1 + (converged_square_3 * (field_3_scaled + (5.0f * converged_product_15))));
     const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-arm * turns_3_cosine_converged) -
         converged_product_20)) + converged_product_18;
     const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
-        (estimator_field_1 + (converged_square_4 * (estimator_field_3_scaled + (5.0f * converged_product_17))));
+        (field_1 + (converged_square_4 * (field_3_scaled + (5.0f * converged_product_17))));
     const float minus_rows_4_3_converged_2 = converged_product_16 -
         (rows_4_2_converged_2 * (converged_product_19 - converged_product_20));
     const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
@@ -502,9 +500,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
         (start_cosine_ax * by_sine_ax_converged_2);
     const float converged_square_5 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_product_23 = converged_square_5 * estimator_field_5;
-    const float converged_product_24 = phasors_1_sine_converged_2 * (estimator_field_1 +
-        (converged_square_5 * (estimator_field_3 + converged_product_23)));
+    const float converged_product_23 = converged_square_5 * field_5;
+    const float converged_product_24 = phasors_1_sine_converged_2 * (field_1 +
+        (converged_square_5 * (field_3 + converged_product_23)));
     const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) -
         (turns_3_sine_converged_2 * V_ay_held) - converged_product_24;
     const float then_2_converged_2 = hall_position_limit(converged_choice_4, largest_step_phase);
@@ -516,9 +514,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
         (start_cosine_ay * by_sine_ay_converged_2);
     const float converged_square_6 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_product_25 = converged_square_6 * estimator_field_5;
-    const float converged_product_26 = phasors_2_sine_converged_2 * (estimator_field_1 +
-        (converged_square_6 * (estimator_field_3 + converged_product_25)));
+    const float converged_product_25 = converged_square_6 * field_5;
+    const float converged_product_26 = phasors_2_sine_converged_2 * (field_1 +
+        (converged_square_6 * (field_3 + converged_product_25)));
     const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) +
         (turns_3_sine_converged_2 * V_ax_held) - converged_product_26;
     const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_product_21 -
@@ -529,9 +527,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
         (start_cosine_bx * by_sine_bx_converged_2);
     const float converged_square_7 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_product_27 = converged_square_7 * estimator_field_5;
-    const float converged_product_28 = phasors_3_sine_converged_2 * (estimator_field_1 +
-        (converged_square_7 * (estimator_field_3 + converged_product_27)));
+    const float converged_product_27 = converged_square_7 * field_5;
+    const float converged_product_28 = phasors_3_sine_converged_2 * (field_1 +
+        (converged_square_7 * (field_3 + converged_product_27)));
     const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) -
         (turns_3_sine_converged_2 * V_by_held) - converged_product_28;
     const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_product_21 + converged_product_22,
@@ -542,9 +540,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
         (start_cosine_by * by_sine_converged_2);
     const float converged_square_8 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_product_29 = converged_square_8 * estimator_field_5;
-    const float converged_product_30 = phasors_4_sine_converged_2 * (estimator_field_1 +
-        (converged_square_8 * (estimator_field_3 + converged_product_29)));
+    const float converged_product_29 = converged_square_8 * field_5;
+    const float converged_product_30 = phasors_4_sine_converged_2 * (field_1 +
+        (converged_square_8 * (field_3 + converged_product_29)));
     const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) +
         (turns_3_sine_converged_2 * V_bx_held) - converged_product_30;
     const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) +
@@ -553,26 +551,22 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         ((prior_weight_phase * (then_1_converged_2 * then_1_converged_2)) + (prior_weight_phase *
         (then_2_converged_2 * then_2_converged_2)) + (prior_weight_yaw * then_3_converged_2_squared));
     const bool better_converged_2 = cost_converged_2 <= ((rounding_factor * converged_choice) + slack);
-    const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) -
-        (ax_part_full * by_sine_ax_converged_2)) * (estimator_field_1 +
-        (converged_square_5 * (estimator_field_3_scaled + (5.0f * converged_product_23))));
+    const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) - (ax_part_full *
+        by_sine_ax_converged_2)) * (field_1 + (converged_square_5 * (field_3_scaled + (5.0f * converged_product_23))));
     const float converged_product_31 = arm * turns_3_cosine_converged_2;
     const float converged_product_32 = arm * turns_3_sine_converged_2;
     const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_product_31 + converged_product_32)) +
         converged_product_26;
-    const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) -
-        (ay_part_full * by_sine_ay_converged_2)) * (estimator_field_1 +
-        (converged_square_6 * (estimator_field_3_scaled + (5.0f * converged_product_25))));
+    const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) - (ay_part_full *
+        by_sine_ay_converged_2)) * (field_1 + (converged_square_6 * (field_3_scaled + (5.0f * converged_product_25))));
     const float minus_rows_2_3_converged_3 = converged_product_24 -
         (rows_2_2_converged_3 * (converged_product_32 - converged_product_31));
-    const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) -
-        (bx_part_full * by_sine_bx_converged_2)) * (estimator_field_1 +
-        (converged_square_7 * (estimator_field_3_scaled + (5.0f * converged_product_27))));
+    const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) - (bx_part_full *
+        by_sine_bx_converged_2)) * (field_1 + (converged_square_7 * (field_3_scaled + (5.0f * converged_product_27))));
     const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-arm * turns_3_cosine_converged_2) -
         converged_product_32)) + converged_product_30;
-    const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) -
-        (by_part_full * by_sine_converged_2)) * (estimator_field_1 +
-        (converged_square_8 * (estimator_field_3_scaled + (5.0f * converged_product_29))));
+    const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) - (by_part_full *
+        by_sine_converged_2)) * (field_1 + (converged_square_8 * (field_3_scaled + (5.0f * converged_product_29))));
     const float minus_rows_4_3_converged_3 = converged_product_28 -
         (rows_4_2_converged_3 * (converged_product_31 - converged_product_32));
     const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
@@ -646,9 +640,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
         (start_cosine_ax * by_sine_ax_converged_3);
     const float converged_square_9 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_product_35 = converged_square_9 * estimator_field_5;
-    const float converged_product_36 = phasors_1_sine_converged_3 * (estimator_field_1 +
-        (converged_square_9 * (estimator_field_3 + converged_product_35)));
+    const float converged_product_35 = converged_square_9 * field_5;
+    const float converged_product_36 = phasors_1_sine_converged_3 * (field_1 +
+        (converged_square_9 * (field_3 + converged_product_35)));
     const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) -
         (turns_3_sine_converged_3 * V_ay_held) - converged_product_36;
     const float then_2_converged_3 = hall_position_limit(converged_choice_8, largest_step_phase);
@@ -660,9 +654,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
         (start_cosine_ay * by_sine_ay_converged_3);
     const float converged_square_10 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
-    const float converged_product_37 = converged_square_10 * estimator_field_5;
-    const float converged_product_38 = phasors_2_sine_converged_3 * (estimator_field_1 +
-        (converged_square_10 * (estimator_field_3 + converged_product_37)));
+    const float converged_product_37 = converged_square_10 * field_5;
+    const float converged_product_38 = phasors_2_sine_converged_3 * (field_1 +
+        (converged_square_10 * (field_3 + converged_product_37)));
     const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) +
         (turns_3_sine_converged_3 * V_ax_held) - converged_product_38;
     const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_product_33 -
@@ -673,9 +667,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
         (start_cosine_bx * by_sine_bx_converged_3);
     const float converged_square_11 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
-    const float converged_product_39 = converged_square_11 * estimator_field_5;
-    const float converged_product_40 = phasors_3_sine_converged_3 * (estimator_field_1 +
-        (converged_square_11 * (estimator_field_3 + converged_product_39)));
+    const float converged_product_39 = converged_square_11 * field_5;
+    const float converged_product_40 = phasors_3_sine_converged_3 * (field_1 +
+        (converged_square_11 * (field_3 + converged_product_39)));
     const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) -
         (turns_3_sine_converged_3 * V_by_held) - converged_product_40;
     const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_product_33 + converged_product_34,
@@ -686,9 +680,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
         (start_cosine_by * by_sine_converged_3);
     const float converged_square_12 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
-    const float converged_product_41 = converged_square_12 * estimator_field_5;
-    const float converged_product_42 = phasors_4_sine_converged_3 * (estimator_field_1 +
-        (converged_square_12 * (estimator_field_3 + converged_product_41)));
+    const float converged_product_41 = converged_square_12 * field_5;
+    const float converged_product_42 = phasors_4_sine_converged_3 * (field_1 +
+        (converged_square_12 * (field_3 + converged_product_41)));
     const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) +
         (turns_3_sine_converged_3 * V_bx_held) - converged_product_42;
     const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) +
@@ -697,26 +691,22 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         ((prior_weight_phase * (then_1_converged_3 * then_1_converged_3)) + (prior_weight_phase *
         (then_2_converged_3 * then_2_converged_3)) + (prior_weight_yaw * then_3_converged_3_squared));
     const bool better_converged_3 = cost_converged_3 <= ((rounding_factor * converged_choice_5) + slack);
-    const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) -
-        (ax_part_full * by_sine_ax_converged_3)) * (estimator_field_1 +
-        (converged_square_9 * (estimator_field_3_scaled + (5.0f * converged_product_35))));
+    const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) - (ax_part_full *
+        by_sine_ax_converged_3)) * (field_1 + (converged_square_9 * (field_3_scaled + (5.0f * converged_product_35))));
     const float converged_product_43 = arm * turns_3_cosine_converged_3;
     const float converged_product_44 = arm * turns_3_sine_converged_3;
     const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_product_43 + converged_product_44)) +
         converged_product_38;
-    const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) -
-        (ay_part_full * by_sine_ay_converged_3)) * (estimator_field_1 +
-        (converged_square_10 * (estimator_field_3_scaled + (5.0f * converged_product_37))));
+    const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) - (ay_part_full *
+        by_sine_ay_converged_3)) * (field_1 + (converged_square_10 * (field_3_scaled + (5.0f * converged_product_37))));
     const float minus_rows_2_3_converged_4 = converged_product_36 -
         (rows_2_2_converged_4 * (converged_product_44 - converged_product_43));
-    const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) -
-        (bx_part_full * by_sine_bx_converged_3)) * (estimator_field_1 +
-        (converged_square_11 * (estimator_field_3_scaled + (5.0f * converged_product_39))));
+    const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) - (bx_part_full *
+        by_sine_bx_converged_3)) * (field_1 + (converged_square_11 * (field_3_scaled + (5.0f * converged_product_39))));
     const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-arm * turns_3_cosine_converged_3) -
         converged_product_44)) + converged_product_42;
-    const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) -
-        (by_part_full * by_sine_converged_3)) * (estimator_field_1 +
-        (converged_square_12 * (estimator_field_3_scaled + (5.0f * converged_product_41))));
+    const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) - (by_part_full *
+        by_sine_converged_3)) * (field_1 + (converged_square_12 * (field_3_scaled + (5.0f * converged_product_41))));
     const float minus_rows_4_3_converged_4 = converged_product_40 -
         (rows_4_2_converged_4 * (converged_product_43 - converged_product_44));
     const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
@@ -790,9 +780,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
         (start_cosine_ax * by_sine_ax_converged_4);
     const float converged_square_13 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_product_47 = converged_square_13 * estimator_field_5;
-    const float converged_product_48 = phasors_1_sine_converged_4 * (estimator_field_1 +
-        (converged_square_13 * (estimator_field_3 + converged_product_47)));
+    const float converged_product_47 = converged_square_13 * field_5;
+    const float converged_product_48 = phasors_1_sine_converged_4 * (field_1 +
+        (converged_square_13 * (field_3 + converged_product_47)));
     const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) -
         (turns_3_sine_converged_4 * V_ay_held) - converged_product_48;
     const float then_2_converged_4 = hall_position_limit(converged_choice_12, largest_step_phase);
@@ -804,9 +794,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
         (start_cosine_ay * by_sine_ay_converged_4);
     const float converged_square_14 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_product_49 = converged_square_14 * estimator_field_5;
-    const float converged_product_50 = phasors_2_sine_converged_4 * (estimator_field_1 +
-        (converged_square_14 * (estimator_field_3 + converged_product_49)));
+    const float converged_product_49 = converged_square_14 * field_5;
+    const float converged_product_50 = phasors_2_sine_converged_4 * (field_1 +
+        (converged_square_14 * (field_3 + converged_product_49)));
     const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) +
         (turns_3_sine_converged_4 * V_ax_held) - converged_product_50;
     const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_product_45 -
@@ -817,9 +807,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
         (start_cosine_bx * by_sine_bx_converged_4);
     const float converged_square_15 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_product_51 = converged_square_15 * estimator_field_5;
-    const float converged_product_52 = phasors_3_sine_converged_4 * (estimator_field_1 +
-        (converged_square_15 * (estimator_field_3 + converged_product_51)));
+    const float converged_product_51 = converged_square_15 * field_5;
+    const float converged_product_52 = phasors_3_sine_converged_4 * (field_1 +
+        (converged_square_15 * (field_3 + converged_product_51)));
     const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) -
         (turns_3_sine_converged_4 * V_by_held) - converged_product_52;
     const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_product_45 + converged_product_46,
@@ -830,40 +820,36 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
         (start_cosine_by * by_sine_converged_4);
     const float converged_square_16 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_product_53 = converged_square_16 * estimator_field_5;
-    const float converged_product_54 = phasors_4_sine_converged_4 * (estimator_field_1 +
-        (converged_square_16 * (estimator_field_3 + converged_product_53)));
+    const float converged_product_53 = converged_square_16 * field_5;
+    const float converged_product_54 = phasors_4_sine_converged_4 * (field_1 +
+        (converged_square_16 * (field_3 + converged_product_53)));
     const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * V_by_held) +
         (turns_3_sine_converged_4 * V_bx_held) - converged_product_54;
     const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
         (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
         (residuals_4_converged_5 * residuals_4_converged_5);
-    const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
+    const uint32_t ambiguity_resolved = state->ambiguity_resolved;
     const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
     const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
     const bool gate_exceeded = squared_gate <
         (then_1_converged_4_squared + then_2_converged_4_squared + (squared_radius * then_3_converged_4_squared));
-    const uint32_t estimator_searching = state->estimator_searching;
+    const uint32_t searching = state->searching;
     const bool better_converged_4 = (squares_converged_2 + ((prior_weight_phase * then_1_converged_4_squared) +
         (prior_weight_phase * then_2_converged_4_squared) + (prior_weight_yaw * then_3_converged_4_squared))) <=
         ((rounding_factor * converged_choice_9) + slack);
-    const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) -
-        (ax_part_full * by_sine_ax_converged_4)) * (estimator_field_1 +
-        (converged_square_13 * (estimator_field_3_scaled + (5.0f * converged_product_47))));
-    const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) -
-        (bx_part_full * by_sine_bx_converged_4)) * (estimator_field_1 +
-        (converged_square_15 * (estimator_field_3_scaled + (5.0f * converged_product_51))));
+    const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) - (ax_part_full *
+        by_sine_ax_converged_4)) * (field_1 + (converged_square_13 * (field_3_scaled + (5.0f * converged_product_47))));
+    const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) - (bx_part_full *
+        by_sine_bx_converged_4)) * (field_1 + (converged_square_15 * (field_3_scaled + (5.0f * converged_product_51))));
     const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
         (rows_3_1_converged_5 * residuals_3_converged_5) - (prior_weight_phase * then_1_converged_4);
     const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) +
         (rows_3_1_converged_5 * rows_3_1_converged_5) + prior_weight_phase);
     const float converged_product_55 = gradient_1_converged_5 * inverse_1;
-    const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) -
-        (ay_part_full * by_sine_ay_converged_4)) * (estimator_field_1 +
-        (converged_square_14 * (estimator_field_3_scaled + (5.0f * converged_product_49))));
-    const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) -
-        (by_part_full * by_sine_converged_4)) * (estimator_field_1 +
-        (converged_square_16 * (estimator_field_3_scaled + (5.0f * converged_product_53))));
+    const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) - (ay_part_full *
+        by_sine_ay_converged_4)) * (field_1 + (converged_square_14 * (field_3_scaled + (5.0f * converged_product_49))));
+    const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) - (by_part_full *
+        by_sine_converged_4)) * (field_1 + (converged_square_16 * (field_3_scaled + (5.0f * converged_product_53))));
     const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
         (rows_4_2_converged_5 * residuals_4_converged_5) - (prior_weight_phase * then_2_converged_4);
     const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) +
@@ -917,24 +903,27 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         at_1 = other_1_converged_3;
         at_2 = other_2_converged_3;
     }
-    const float estimator_yaw_last_good = state->estimator_yaw_last_good;
-    const bool in_window = fabsf(prediction_yaw + at_3 - estimator_yaw_last_good) <= yaw_window;
+    const float yaw_last_good = state->yaw_last_good;
+    const bool in_window = fabsf(prediction_yaw + at_3 - yaw_last_good) <= yaw_window;
     const bool integrity_residual_fault = (residual_limit < squares_converged_2) ||
-        ((estimator_ambiguity_resolved != 0u) ? gate_exceeded : ((estimator_searching != 0u) && !in_window));
-    const bool tracking = estimator_searching == 0u;
+        ((ambiguity_resolved != 0u) ? gate_exceeded : ((searching != 0u) && !in_window));
+    const uint32_t residual_faults = state->residual_faults;
+    const bool exhausted = 4u <= residual_faults;
+    const bool restart = integrity_residual_fault && exhausted;
+    const bool tracking = searching == 0u;
     float by_phase_x = 0.0f;
     float by_phase_y = 0.0f;
     float yaw_2 = 0.0f;
-    float estimator_motion_x_change = 0.0f;
-    float estimator_motion_y_change = 0.0f;
-    float estimator_motion_yaw_change = 0.0f;
+    float motion_x_change = 0.0f;
+    float motion_y_change = 0.0f;
+    float motion_yaw_change = 0.0f;
     if (!(integrity_residual_fault && tracking)) {
         by_phase_x = at_1;
         by_phase_y = at_2;
         yaw_2 = at_3;
-        estimator_motion_x_change = 0.5f * at_1;
-        estimator_motion_y_change = 0.5f * at_2;
-        estimator_motion_yaw_change = yaw_velocity_gain * at_3;
+        motion_x_change = 0.5f * at_1;
+        motion_y_change = 0.5f * at_2;
+        motion_yaw_change = yaw_velocity_gain * at_3;
     }
     const float moved_x = prediction_phase_x + by_phase_x;
     const bool turns_x_X = pi < moved_x;
@@ -949,9 +938,6 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     } else {
         turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
     }
-    const uint32_t estimator_acquired = state->estimator_acquired;
-    const float pose_pitch_x = state->estimator_pitch_x + ((estimator_acquired != 0u) ? turns_x_X_2 : 0.0f);
-    const float X = (length_per_phase * pose_phase_x) + (pitch * pose_pitch_x);
     const float moved_y = prediction_phase_y + by_phase_y;
     const bool turns_y_Y = pi < moved_y;
     float angle_y = moved_y;
@@ -965,8 +951,6 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     } else {
         turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
     }
-    const float pose_pitch_y = state->estimator_pitch_y + ((estimator_acquired != 0u) ? turns_y_Y_2 : 0.0f);
-    const float Y = (length_per_phase * pose_phase_y) + (pitch * pose_pitch_y);
     const float prediction_yaw_plus_yaw_2 = prediction_yaw + yaw_2;
     float angle = prediction_yaw_plus_yaw_2;
     if (pi < prediction_yaw_plus_yaw_2) {
@@ -976,88 +960,125 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (angle < -pi) {
         yaw = angle + two_pi;
     }
+    const bool faultless = !integrity_residual_fault;
     const float by_yaw_X_squared = by_yaw_X * by_yaw_X;
-    const float yaw_variance = 1.0f / (pivot + yaw_damping);
-    const float deviation_X = sigma_per_wave_number * sqrtf(inverse_1 + (by_yaw_X_squared * yaw_variance));
-    out->deviation_X = deviation_X;
     const float by_yaw_Y_squared = by_yaw_Y * by_yaw_Y;
-    const float deviation_Y = sigma_per_wave_number * sqrtf(inverse_2 + (by_yaw_Y_squared * yaw_variance));
-    out->deviation_Y = deviation_Y;
-    const float deviation_yaw = channel_sigma * sqrtf(yaw_variance);
-    out->deviation_yaw = deviation_yaw;
-    const float residual = sqrtf(root_regularisation + squares_converged_2);
-    out->residual = residual;
-    out->X = X;
-    out->Y = Y;
-    out->yaw = yaw;
-    out->converged = converged ? 1.0f : 0.0f;
+    const float yaw_variance = 1.0f / (pivot + yaw_damping);
     const float weight = ((squared_radius + by_yaw_X_squared + by_yaw_Y_squared) * yaw_variance) + inverse_1 +
         inverse_2;
     const bool damped = damped_from < weight;
-    out->damped = damped ? 1.0f : 0.0f;
     const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
+    const uint32_t acquired = state->acquired;
+    const float pose_pitch_x = state->pitch_x + ((acquired != 0u) ? turns_x_X_2 : 0.0f);
+    const float pose_pitch_y = state->pitch_y + ((acquired != 0u) ? turns_y_Y_2 : 0.0f);
     const bool counted = (fabsf(pose_pitch_x) <= most_pitches) && (fabsf(pose_pitch_y) <= most_pitches);
     const float size = fabsf(yaw);
     const bool inside = counted && (size <= yaw_limit);
     const bool resolved = (integrity_good && in_window && tracking && (weight <= resolved_to) && complete && inside) ||
-        ((estimator_ambiguity_resolved != 0u) && !damped);
-    const uint32_t estimator_lock_lost = state->estimator_lock_lost;
-    const bool valid = integrity_good && resolved && (estimator_lock_lost == 0u) && inside && complete;
-    const uint32_t estimator_residual_faults = state->estimator_residual_faults;
-    const bool exhausted = 4u <= estimator_residual_faults;
-    const bool restart = integrity_residual_fault && exhausted;
-    const bool faultless = !integrity_residual_fault;
+        ((ambiguity_resolved != 0u) && !damped);
     if (restart) {
-        const float start_x = state->estimator_start_x + start_step_x;
+        const float start_x = state->start_x + start_step_x;
         if (start_x < -pi) {
-            state->estimator_phase_x = start_x + two_pi;
-            state->estimator_start_x = state->estimator_phase_x;
+            state->phase_x = start_x + two_pi;
+            state->start_x = state->phase_x;
         } else {
-            state->estimator_phase_x = start_x;
-            state->estimator_start_x = start_x;
+            state->phase_x = start_x;
+            state->start_x = start_x;
         }
-        const float start_y = state->estimator_start_y + start_step_y;
+        const float start_y = state->start_y + start_step_y;
         if (start_y < -pi) {
-            state->estimator_phase_y = start_y + two_pi;
-            state->estimator_start_y = state->estimator_phase_y;
+            state->phase_y = start_y + two_pi;
+            state->start_y = state->phase_y;
         } else {
-            state->estimator_phase_y = start_y;
-            state->estimator_start_y = start_y;
+            state->phase_y = start_y;
+            state->start_y = start_y;
         }
-        state->estimator_yaw = estimator_yaw_last_good;
-        state->estimator_searching = 1u;
-        state->estimator_ambiguity_resolved = 0u;
+        state->yaw = yaw_last_good;
+        state->searching = 1u;
+        state->ambiguity_resolved = 0u;
     } else {
-        state->estimator_phase_x = pose_phase_x;
-        state->estimator_phase_y = pose_phase_y;
-        state->estimator_yaw = yaw;
+        state->phase_x = pose_phase_x;
+        state->phase_y = pose_phase_y;
+        state->yaw = yaw;
         if (converged && faultless) {
-            state->estimator_searching = 0u;
+            state->searching = 0u;
         }
-        state->estimator_ambiguity_resolved = hall_position_flag(resolved);
+        state->ambiguity_resolved = hall_position_flag(resolved);
     }
     if (resolved && faultless) {
-        state->estimator_yaw_last_good = yaw;
+        state->yaw_last_good = yaw;
     }
-    state->estimator_pitch_x = hall_position_limit(pose_pitch_x, most_pitches);
-    state->estimator_pitch_y = hall_position_limit(pose_pitch_y, most_pitches);
+    state->pitch_x = hall_position_limit(pose_pitch_x, most_pitches);
+    state->pitch_y = hall_position_limit(pose_pitch_y, most_pitches);
     float continued_motion_x = 0.0f;
     float continued_motion_y = 0.0f;
     float continued_motion_yaw = 0.0f;
-    if (estimator_searching == 0u) {
-        continued_motion_x = estimator_motion_x + estimator_motion_x_change;
-        continued_motion_y = estimator_motion_y + estimator_motion_y_change;
-        continued_motion_yaw = estimator_motion_yaw + estimator_motion_yaw_change;
+    if (searching == 0u) {
+        continued_motion_x = motion_x + motion_x_change;
+        continued_motion_y = motion_y + motion_y_change;
+        continued_motion_yaw = motion_yaw + motion_yaw_change;
     }
-    state->estimator_motion_x = hall_position_limit(continued_motion_x, largest_step_phase);
-    state->estimator_motion_y = hall_position_limit(continued_motion_y, largest_step_phase);
-    state->estimator_motion_yaw = hall_position_limit(continued_motion_yaw, largest_step_yaw);
-    state->estimator_residual_faults = (integrity_residual_fault) ?
-        ((exhausted) ? 0u : (estimator_residual_faults + 1u)) : 0u;
-    state->estimator_acquired = hall_position_flag(resolved || (estimator_acquired != 0u));
-    state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) &&
-        (restart || !counted || (((resolved) ? yaw_limit : ambiguous_yaw_limit) < size))));
-    out->valid = valid ? 1.0f : 0.0f;
+    state->motion_x = hall_position_limit(continued_motion_x, largest_step_phase);
+    state->motion_y = hall_position_limit(continued_motion_y, largest_step_phase);
+    state->motion_yaw = hall_position_limit(continued_motion_yaw, largest_step_yaw);
+    state->residual_faults = (integrity_residual_fault) ? ((exhausted) ? 0u : (residual_faults + 1u)) : 0u;
+    state->acquired = hall_position_flag(resolved || (acquired != 0u));
+    const uint32_t lock_lost = state->lock_lost;
+    state->lock_lost = hall_position_flag((lock_lost != 0u) ||
+        ((acquired != 0u) && (restart || !counted || (((resolved) ? yaw_limit : ambiguous_yaw_limit) < size))));
+    return (hall_position_estimator_t){.X = (length_per_phase * pose_phase_x) + (pitch * pose_pitch_x),
+        .Y = (length_per_phase * pose_phase_y) + (pitch * pose_pitch_y), .yaw = yaw,
+        .deviation_X = sigma_per_wave_number * sqrtf(inverse_1 + (by_yaw_X_squared * yaw_variance)), .deviation_Y =
+        sigma_per_wave_number * sqrtf(inverse_2 + (by_yaw_Y_squared * yaw_variance)), .deviation_yaw = channel_sigma *
+        sqrtf(yaw_variance), .residual = sqrtf(root_regularisation + squares_converged_2), .converged = converged,
+        .damped = damped, .valid = integrity_good && resolved && (lock_lost == 0u) && inside && complete};
+}
+
+/* Each input in its range, else what is held or refused, with its bit of the fault word. */
+HALL_POSITION_INLINE hall_position_input_t hall_position_guard_inputs(hall_position_state_t *state,
+    const hall_position_input_t *in, uint32_t *faults)
+{
+    hall_position_input_t accepted = *in;
+    accepted.V_ax = hall_position_hold_within(in->V_ax, 5.0f, &state->guard.last_V_ax, 0x00000001u, faults);
+    accepted.V_ay = hall_position_hold_within(in->V_ay, 5.0f, &state->guard.last_V_ay, 0x00000002u, faults);
+    accepted.V_bx = hall_position_hold_within(in->V_bx, 5.0f, &state->guard.last_V_bx, 0x00000004u, faults);
+    accepted.V_by = hall_position_hold_within(in->V_by, 5.0f, &state->guard.last_V_by, 0x00000008u, faults);
+    return accepted;
+}
+
+void hall_position_init(hall_position_state_t *state)
+{
+    /* A member that is not named is 0. */
+    *state = (hall_position_state_t){
+        .guard = {.left = 5u},
+        .estimator = {.searching = 1u},
+    };
+}
+
+uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
+{
+    uint32_t faults = 0u;
+    const hall_position_input_t accepted = hall_position_guard_inputs(state, in, &faults);
+    const bool complete = (faults & 0x0000000fu) == 0u;
+    const uint32_t guard_latched = state->guard.latched;
+    const uint32_t latched = hall_position_guard(&state->guard, complete, guard_latched);
+    if (latched != 0u) {
+        state->guard.latched = 1u;
+        faults |= 0x80000000u;
+    }
+    const uint32_t estimator_lock_lost = state->estimator.lock_lost;
+    const hall_position_estimator_t estimator = hall_position_estimator(&state->estimator, accepted.V_ax, accepted.V_ay,
+        accepted.V_bx, accepted.V_by, complete);
+    out->X = estimator.X;
+    out->Y = estimator.Y;
+    out->yaw = estimator.yaw;
+    out->deviation_X = estimator.deviation_X;
+    out->deviation_Y = estimator.deviation_Y;
+    out->deviation_yaw = estimator.deviation_yaw;
+    out->residual = estimator.residual;
+    out->converged = estimator.converged ? 1.0f : 0.0f;
+    out->damped = estimator.damped ? 1.0f : 0.0f;
+    out->valid = estimator.valid ? 1.0f : 0.0f;
     out->lock_lost = (float)estimator_lock_lost;
 
     return faults;

@@ -49,6 +49,38 @@ extern "C" {
 #endif
 
 typedef struct {
+    /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along x, within its pitch */
+    float phase_x;
+    /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along y, within its pitch */
+    float phase_y;
+    float yaw;                          /* rad, -3.14159 .. 3.14159: yaw of the last sample */
+    /* rad, -3.14159 .. 3.14159: yaw of the last sample with the ambiguity resolved */
+    float yaw_last_good;
+    float start_x;                      /* rad, -3.14159 .. 3.14159: phase along x at which the last search started */
+    float start_y;                      /* rad, -3.14159 .. 3.14159: phase along y at which the last search started */
+    float pitch_x;                      /* 1, -8 .. 8: number of whole pitches along x, from the middle one */
+    float pitch_y;                      /* 1, -8 .. 8: number of whole pitches along y, from the middle one */
+    float motion_x;                     /* rad, -0.5 .. 0.5: predicted change of phase per sample */
+    float motion_y;                     /* rad, -0.5 .. 0.5: predicted change of phase per sample */
+    float motion_yaw;                   /* rad, -0.101003 .. 0.101003: predicted change of yaw per sample */
+    uint32_t residual_faults;           /* 1, 0 .. 5: consecutive samples with a residual fault */
+    uint32_t searching;                 /* 1, 0 .. 1: position lock is being searched */
+    uint32_t ambiguity_resolved;        /* 1, 0 .. 1: no other position has the same voltages */
+    uint32_t acquired;                  /* 1, 0 .. 1: position lock has been acquired since init */
+    uint32_t lock_lost;                 /* 1, 0 .. 1: position lock has been lost since it was acquired */
+} hall_position_estimator_state_t;
+
+typedef struct {
+    float last_V_ax;                    /* V, -5 .. 5: last good value */
+    float last_V_ay;                    /* V, -5 .. 5: last good value */
+    float last_V_bx;                    /* V, -5 .. 5: last good value */
+    float last_V_by;                    /* V, -5 .. 5: last good value */
+    uint32_t left;                      /* 1, 1 .. 5: samples with a bad measurement until it latches */
+    uint32_t latched;                   /* 1, 0 .. 1: latched until init */
+    uint32_t ready;                     /* 1, 0 .. 1: every measurement was good at once */
+} hall_position_guard_state_t;
+
+typedef struct {
     float V_ax;                         /* V, -5 .. 5: Hall sensor a, axis x */
     float V_ay;                         /* V, -5 .. 5: Hall sensor a, axis y */
     float V_bx;                         /* V, -5 .. 5: Hall sensor b, axis x */
@@ -76,32 +108,8 @@ typedef struct {
 } hall_position_output_t;
 
 typedef struct {
-    float guard_last_V_ax;              /* V, -5 .. 5: last good value */
-    float guard_last_V_ay;              /* V, -5 .. 5: last good value */
-    float guard_last_V_bx;              /* V, -5 .. 5: last good value */
-    float guard_last_V_by;              /* V, -5 .. 5: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
-    uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
-    uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along x, within its pitch */
-    float estimator_phase_x;
-    /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along y, within its pitch */
-    float estimator_phase_y;
-    float estimator_yaw;                /* rad, -3.14159 .. 3.14159: yaw of the last sample */
-    /* rad, -3.14159 .. 3.14159: yaw of the last sample with the ambiguity resolved */
-    float estimator_yaw_last_good;
-    float estimator_start_x;            /* rad, -3.14159 .. 3.14159: phase along x at which the last search started */
-    float estimator_start_y;            /* rad, -3.14159 .. 3.14159: phase along y at which the last search started */
-    float estimator_pitch_x;            /* 1, -8 .. 8: number of whole pitches along x, from the middle one */
-    float estimator_pitch_y;            /* 1, -8 .. 8: number of whole pitches along y, from the middle one */
-    float estimator_motion_x;           /* rad, -0.5 .. 0.5: predicted change of phase per sample */
-    float estimator_motion_y;           /* rad, -0.5 .. 0.5: predicted change of phase per sample */
-    float estimator_motion_yaw;         /* rad, -0.101003 .. 0.101003: predicted change of yaw per sample */
-    uint32_t estimator_residual_faults; /* 1, 0 .. 5: consecutive samples with a residual fault */
-    uint32_t estimator_searching;       /* 1, 0 .. 1: position lock is being searched */
-    uint32_t estimator_ambiguity_resolved; /* 1, 0 .. 1: no other position has the same voltages */
-    uint32_t estimator_acquired;        /* 1, 0 .. 1: position lock has been acquired since init */
-    uint32_t estimator_lock_lost;       /* 1, 0 .. 1: position lock has been lost since it was acquired */
+    hall_position_guard_state_t guard;
+    hall_position_estimator_state_t estimator;
 } hall_position_state_t;
 
 /* The layout is the same on every target. */

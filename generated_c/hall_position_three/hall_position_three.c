@@ -1,12 +1,9 @@
 /* hall_position_three. Generated: do not edit. */
-/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "hall_position_three.h"
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
 #include <stddef.h>
-#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -48,6 +45,11 @@ static inline bool hall_position_three_equal(float a, float b)
 #define HALL_POSITION_THREE_INLINE static inline __attribute__((always_inline))
 #else
 #define HALL_POSITION_THREE_INLINE static inline
+#endif
+#if defined(__OPTIMIZE_SIZE__)
+#define HALL_POSITION_THREE_LARGE static inline
+#else
+#define HALL_POSITION_THREE_LARGE HALL_POSITION_THREE_INLINE
 #endif
 /* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 HALL_POSITION_THREE_INLINE float hall_position_three_hold_within(float value, float high, float *last, uint32_t bit,
@@ -123,126 +125,111 @@ static inline float sine_4_polynomial(float t)
     return 1.0f + (t * (-0.16666651f + (t * (0.008331924f + (t * -0.00019483927f)))));
 }
 
-void hall_position_three_init(hall_position_three_state_t *state)
-{
-    /* A member that is not named is 0. */
-    *state = (hall_position_three_state_t){
-        .guard_left = 5u,
-        .estimator_amplitude = 1.0f,
-        .estimator_candidate_amplitude = 1.0f,
-    };
-}
+typedef struct {
+    uint32_t latched;
+    bool fault_V_ax;
+    bool fault_V_ay;
+    bool fault_V_bx;
+    bool fault_V_by;
+    bool fault_V_cx;
+    bool fault_V_cy;
+} hall_position_three_guard_t;
 
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
-uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
-    hall_position_three_output_t *out)
+/* guard: range acceptance, hold, latch
+ *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
+HALL_POSITION_THREE_INLINE hall_position_three_guard_t hall_position_three_guard(hall_position_three_guard_state_t
+    *state, uint32_t fault_V_ax_part, uint32_t latched_before)
 {
-    return hall_position_three_step_diagnosed(state, in, out, NULL);
-}
-
-uint32_t hall_position_three_step_diagnosed(hall_position_three_state_t *state, const hall_position_three_input_t *in,
-    hall_position_three_output_t *out, hall_position_three_diagnostics_t *diagnostics)
-#else
-uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
-    hall_position_three_output_t *out)
-#endif
-{
-    static const float pi = 3.1415927f;                         /* 1; pi */
-    static const uint32_t starts = 24u;                         /* 1; of a sweep */
-    static const float most_pitches = 8.0f;                     /* 1; counted to either side */
-
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->samples += 1u;
-    }
-#endif
-    /* guard: range acceptance, hold, latch
-     *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
     static const uint32_t latch_samples = 5u;                   /* 1; bad samples in a row until it latches */
-    uint32_t faults = 0u;
-    const float V_ax_held = hall_position_three_hold_within(in->V_ax, 5.0f, &state->guard_last_V_ax, 0x00000001u,
-        &faults);
-    const float V_ay_held = hall_position_three_hold_within(in->V_ay, 5.0f, &state->guard_last_V_ay, 0x00000002u,
-        &faults);
-    const float V_bx_held = hall_position_three_hold_within(in->V_bx, 5.0f, &state->guard_last_V_bx, 0x00000004u,
-        &faults);
-    const float V_by_held = hall_position_three_hold_within(in->V_by, 5.0f, &state->guard_last_V_by, 0x00000008u,
-        &faults);
-    const float V_cx_held = hall_position_three_hold_within(in->V_cx, 5.0f, &state->guard_last_V_cx, 0x00000010u,
-        &faults);
-    const float V_cy_held = hall_position_three_hold_within(in->V_cy, 5.0f, &state->guard_last_V_cy, 0x00000020u,
-        &faults);
-    const bool fault_V_ax = (faults & 0x00000001u) != 0u;
-    const bool fault_V_ay = (faults & 0x00000002u) != 0u;
-    const bool fault_V_bx = (faults & 0x00000004u) != 0u;
-    const bool fault_V_by = (faults & 0x00000008u) != 0u;
-    const bool fault_V_cx = (faults & 0x00000010u) != 0u;
-    const bool fault_V_cy = (faults & 0x00000020u) != 0u;
-    const bool complete = (faults & 0x0000003fu) == 0u;
-    const uint32_t guard_latched = state->guard_latched;
-    uint32_t latched = guard_latched;
+
+    const bool complete = (fault_V_ax_part & 0x0000003fu) == 0u;
+    uint32_t latched = latched_before;
     if (complete) {
-        state->guard_left = latch_samples;
-        state->guard_ready = 1u;
+        state->left = latch_samples;
+        state->ready = 1u;
     } else {
-        const uint32_t guard_left = state->guard_left;
-        if (guard_left <= 1u) {
+        const uint32_t left = state->left;
+        if (left <= 1u) {
             latched = 1u;
         } else {
-            state->guard_left = guard_left - 1u;
+            state->left = left - 1u;
         }
     }
-    if (latched != 0u) {
-        state->guard_latched = 1u;
-        faults |= 0x80000000u;
-    }
+    return (hall_position_three_guard_t){.latched = latched, .fault_V_ax = (fault_V_ax_part & 0x00000001u) != 0u,
+        .fault_V_ay = (fault_V_ax_part & 0x00000002u) != 0u, .fault_V_bx = (fault_V_ax_part & 0x00000004u) != 0u,
+        .fault_V_by = (fault_V_ax_part & 0x00000008u) != 0u, .fault_V_cx = (fault_V_ax_part & 0x00000010u) != 0u,
+        .fault_V_cy = (fault_V_ax_part & 0x00000020u) != 0u};
+}
 
-    /* screen: refused and repeated codes
-     *     rejected = (1 if flag, else (2 if flags_2, else (3 if flags_3, else 0))) if screened, else 0
-     *     repeats_1_next = (repeats_1 if most_repeats <= repeats_1, else repeats_1 + 1) if |V_ax_held -
-     *         last_V_ax| <= 0 or |V_ay_held - last_V_ay| <= 0, else 0; likewise repeats_2_next, repeats_3_next */
+typedef struct {
+    float rejected;
+    bool screened;
+} hall_position_three_screen_t;
+
+/* screen: refused and repeated codes
+ *     rejected = (1 if flag, else (2 if flags_2, else (3 if flags_3, else 0))) if screened, else 0
+ *     repeats_1_next = (repeats_1 if most_repeats <= repeats_1, else repeats_1 + 1) if |V_ax_held -
+ *         last_V_ax| <= 0 or |V_ay_held - last_V_ay| <= 0, else 0; likewise repeats_2_next, repeats_3_next */
+HALL_POSITION_THREE_INLINE hall_position_three_screen_t
+    hall_position_three_screen(hall_position_three_screen_state_t *state, bool fault_V_ax, bool fault_V_ay,
+    float V_ax_held, float V_ay_held, bool fault_V_bx, bool fault_V_by, float V_bx_held, float V_by_held,
+    bool fault_V_cx, bool fault_V_cy, float V_cx_held, float V_cy_held, hall_position_three_diagnostics_t *diagnostics)
+{
     static const uint32_t most_repeats = 6u;                    /* 1; samples in a row with the same code: frozen */
+
+    const float last_V_ax = state->last_V_ax;
+    state->last_V_ax = V_ax_held;
+    const float last_V_ay = state->last_V_ay;
+    state->last_V_ay = V_ay_held;
+    const float last_V_bx = state->last_V_bx;
+    state->last_V_bx = V_bx_held;
+    const float last_V_by = state->last_V_by;
+    state->last_V_by = V_by_held;
+    const float last_V_cx = state->last_V_cx;
+    state->last_V_cx = V_cx_held;
+    const float last_V_cy = state->last_V_cy;
+    state->last_V_cy = V_cy_held;
     bool screened_test = false;
-    if ((fabsf(V_ax_held - state->screen_last_V_ax) <= 0.0f) || (fabsf(V_ay_held - state->screen_last_V_ay) <= 0.0f)) {
-        const uint32_t screen_repeats_1 = state->screen_repeats_1;
-        uint32_t screened_choice = screen_repeats_1;
-        if (screen_repeats_1 < most_repeats) {
-            const uint32_t screened_sum = screen_repeats_1 + 1u;
+    if ((fabsf(V_ax_held - last_V_ax) <= 0.0f) || (fabsf(V_ay_held - last_V_ay) <= 0.0f)) {
+        const uint32_t repeats_1 = state->repeats_1;
+        uint32_t screened_choice = repeats_1;
+        if (repeats_1 < most_repeats) {
+            const uint32_t screened_sum = repeats_1 + 1u;
             screened_choice = screened_sum;
-            state->screen_repeats_1 = screened_sum;
+            state->repeats_1 = screened_sum;
         }
         screened_test = most_repeats <= screened_choice;
     } else {
-        state->screen_repeats_1 = 0u;
+        state->repeats_1 = 0u;
     }
-    const bool flag = fault_V_ax || fault_V_ay || screened_test;
     bool screened_test_2 = false;
-    if ((fabsf(V_bx_held - state->screen_last_V_bx) <= 0.0f) || (fabsf(V_by_held - state->screen_last_V_by) <= 0.0f)) {
-        const uint32_t screen_repeats_2 = state->screen_repeats_2;
-        uint32_t screened_choice_2 = screen_repeats_2;
-        if (screen_repeats_2 < most_repeats) {
-            const uint32_t screened_sum_2 = screen_repeats_2 + 1u;
+    if ((fabsf(V_bx_held - last_V_bx) <= 0.0f) || (fabsf(V_by_held - last_V_by) <= 0.0f)) {
+        const uint32_t repeats_2 = state->repeats_2;
+        uint32_t screened_choice_2 = repeats_2;
+        if (repeats_2 < most_repeats) {
+            const uint32_t screened_sum_2 = repeats_2 + 1u;
             screened_choice_2 = screened_sum_2;
-            state->screen_repeats_2 = screened_sum_2;
+            state->repeats_2 = screened_sum_2;
         }
         screened_test_2 = most_repeats <= screened_choice_2;
     } else {
-        state->screen_repeats_2 = 0u;
+        state->repeats_2 = 0u;
     }
-    const bool flags_2 = fault_V_bx || fault_V_by || screened_test_2;
     bool frozen = false;
-    if ((fabsf(V_cx_held - state->screen_last_V_cx) <= 0.0f) || (fabsf(V_cy_held - state->screen_last_V_cy) <= 0.0f)) {
-        const uint32_t screen_repeats_3 = state->screen_repeats_3;
-        uint32_t count = screen_repeats_3;
-        if (screen_repeats_3 < most_repeats) {
-            const uint32_t screened_sum_3 = screen_repeats_3 + 1u;
+    if ((fabsf(V_cx_held - last_V_cx) <= 0.0f) || (fabsf(V_cy_held - last_V_cy) <= 0.0f)) {
+        const uint32_t repeats_3 = state->repeats_3;
+        uint32_t count = repeats_3;
+        if (repeats_3 < most_repeats) {
+            const uint32_t screened_sum_3 = repeats_3 + 1u;
             count = screened_sum_3;
-            state->screen_repeats_3 = screened_sum_3;
+            state->repeats_3 = screened_sum_3;
         }
         frozen = most_repeats <= count;
     } else {
-        state->screen_repeats_3 = 0u;
+        state->repeats_3 = 0u;
     }
+    const bool flag = fault_V_ax || fault_V_ay || screened_test;
+    const bool flags_2 = fault_V_bx || fault_V_by || screened_test_2;
     const bool flags_3 = fault_V_cx || fault_V_cy || frozen;
     const bool screened = (hall_position_three_flag(flag) + hall_position_three_flag(flags_2) +
         hall_position_three_flag(flags_3)) <= 1u;
@@ -250,47 +237,72 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     if (screened) {
         rejected = (flag) ? 1.0f : ((flags_2) ? 2.0f : ((flags_3) ? 3.0f : 0.0f));
     }
-    state->screen_last_V_ax = V_ax_held;
-    state->screen_last_V_ay = V_ay_held;
-    state->screen_last_V_bx = V_bx_held;
-    state->screen_last_V_by = V_by_held;
-    state->screen_last_V_cx = V_cx_held;
-    state->screen_last_V_cy = V_cy_held;
+    if (diagnostics != NULL) {
+        diagnostics->screened = screened ? 1.0f : 0.0f;
+        diagnostics->rejected = rejected;
+    }
+    return (hall_position_three_screen_t){.rejected = rejected, .screened = screened};
+}
 
-    /* estimator: weighted least squares
-     *     cos_yaw = cos(limit(estimator_yaw + motion_yaw, highest_yaw))
-     *     sin_yaw = sin(limit(estimator_yaw + motion_yaw, highest_yaw))
-     *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
-     *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
-     *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
-     *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
-     *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
-     *         bx_part_full, by_part_full
-     *     cx_part_sine = 4 * sin(0.25 * limited_cx); likewise cy_part_sine
-     *     cx_part_cosine = cos(0.25 * limited_cx); likewise cy_part_cosine
-     *     cx_part_doubled = limit(4 * (sin(0.25 * limited_cx) * cx_part_cosine), 2.002); likewise
-     *         cy_part_doubled
-     *     cx_part_full = limit(cx_part_doubled * (1 - 0.125 * cx_part_sine^2), 1.001); likewise cy_part_full
-     *     weak = not factors_2 or weak_from <= variances_1 or weak_from <= variances_2 or weak_from_yaw <=
-     *         variances_3 or weak_from <= variances_4
-     *     plausible_1_next = keeps and (plausible_1 and not (refuted and x_excluded == 1) if x_trial, else
-     *         passing_1 or plausible_1) if tracking, else 0
-     *     plausible_2_next = keeps and (plausible_2 and not (refuted and x_excluded == 2) if x_trial, else
-     *         passing_2 or plausible_2) if tracking, else 0
-     *     plausible_3_next = keeps and (plausible_3 and not (refuted and x_excluded == 3) if x_trial, else
-     *         now) if tracking, else 0
-     *     start_number_next = starts if tracking, else (starts if unique, else (0 if last, else (last_start if
-     *         last_start <= start_number, else start_number + ends)))
-     *     missed_next = (0 if accepted and not lost, else (missed if lost, else missed + 1)) if tracking, else
-     *         0
-     *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
-     *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
-     *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
-     *         else begin_yaw) */
-    static const float highest_yaw = 0.20943952f;               /* rad; end of its range */
+typedef struct {
+    float excluded;
+    float phase_x;
+    float phase_y;
+    float yaw;
+    float amplitude;
+    float deviation_phase_x;
+    float deviation_phase_y;
+    float deviation_yaw;
+    float deviation_amplitude;
+    float chi_square;
+    float protection_phase_x;
+    float protection_phase_y;
+    float protection_yaw;
+    bool converged;
+    bool weak;
+    bool doubted;
+    bool tracking;
+    bool lost;
+    bool phases_valid;
+} hall_position_three_estimator_t;
+
+/* estimator: weighted least squares
+ *     cos_yaw = cos(limit(estimator_yaw + motion_yaw, highest_yaw))
+ *     sin_yaw = sin(limit(estimator_yaw + motion_yaw, highest_yaw))
+ *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
+ *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
+ *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
+ *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
+ *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
+ *         bx_part_full, by_part_full
+ *     cx_part_sine = 4 * sin(0.25 * limited_cx); likewise cy_part_sine
+ *     cx_part_cosine = cos(0.25 * limited_cx); likewise cy_part_cosine
+ *     cx_part_doubled = limit(4 * (sin(0.25 * limited_cx) * cx_part_cosine), 2.002); likewise
+ *         cy_part_doubled
+ *     cx_part_full = limit(cx_part_doubled * (1 - 0.125 * cx_part_sine^2), 1.001); likewise cy_part_full
+ *     weak = not factors_2 or weak_from <= variances_1 or weak_from <= variances_2 or weak_from_yaw <=
+ *         variances_3 or weak_from <= variances_4
+ *     start_number_next = starts if tracking, else (starts if unique, else (0 if last, else (last_start if
+ *         last_start <= start_number, else start_number + ends)))
+ *     missed_next = (0 if screened and not weak and passes and not lost, else (missed if lost, else missed
+ *         + 1)) if tracking, else 0
+ *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
+ *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
+ *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
+ *         else begin_yaw) */
+HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
+    hall_position_three_estimator(hall_position_three_estimator_state_t *state, float V_ax_held, float V_ay_held,
+    float V_bx_held, float V_by_held, float V_cx_held, float V_cy_held, float rejected, bool screened,
+    hall_position_three_diagnostics_t *diagnostics)
+{
+    static const float pi = 3.1415927f;                         /* 1; pi */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     static const float arm_a_x = 1.495398f; /* rad; arm of sensor a along x, times 2 pi over the pitch */
+    static const float highest_yaw = 0.20943952f;               /* rad; end of its range */
     static const float arm_a_y = -1.69646f; /* rad; arm of sensor a along y, times 2 pi over the pitch */
+    static const float field_1 = 2.24906f; /* V; alpha + 5 beta: of sin p in the field alpha sin p + beta sin 5p */
+    static const float field_3 = 3.60456f; /* V; -20 beta: of sin^3 p in the field alpha sin p + beta sin 5p */
+    static const float field_5 = -2.883648f; /* V; 16 beta: of sin^5 p in the field alpha sin p + beta sin 5p */
     static const float arm_b_x = -2.6703537f; /* rad; arm of sensor b along x, times 2 pi over the pitch */
     static const float arm_b_y = 2.5384068f; /* rad; arm of sensor b along y, times 2 pi over the pitch */
     static const float arm_c_x = -0.5466371f; /* rad; arm of sensor c along x, times 2 pi over the pitch */
@@ -332,28 +344,28 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     static const float weak_from = 15.384461f;
     /* rad^2/V^2; sigma^2 / channel_variance, sigma = 0.008 rad, less 1e-05 of it for rounding */
     static const float weak_from_yaw = 2.4615138f;
-    static const float test_threshold = 16.266235f; /* 1; chi-square of 3 degrees of freedom, false alarm 0.001 */
-    /* 1; chi-square of 1 degrees of freedom, half of risk 0.001: without the excluded group */
-    static const float hypothesis_threshold = 12.115665f;
-    static const float channel_variance = 2.6e-05f;             /* V^2; variance of a channel, from R */
     /* 1; 1 / separability, less 1e-05 of it, of a fault that is detectable */
     static const float largest_gain = 999.99f;
     /* V; channel_sigma times the root of the noncentrality: a fault that passes the test with risk 0.001 */
     static const float undetected = 0.03536334f;
     static const float level_sigmas = 3.4807565f; /* 1; sigmas of a protection level, half of risk 0.001 */
-    static const float cancellation = 1e-05f;                   /* 1; relative error of a cost by rounding */
     static const float hypothesis_cost = 0.0003150073f;         /* V^2; hypothesis_threshold times channel_variance */
+    static const float cancellation = 1e-05f;                   /* 1; relative error of a cost by rounding */
     static const float level_noise = 0.017748445f;              /* V; level_sigmas times channel_sigma */
-    static const float overbound = 1.25f; /* 1; factor on the protection levels while a group is excluded */
     /* rad; 100 times the limit: level that is reported at most; of x, y */
     static const float largest_level_phase = 18.552713f;
-    static const float limit_phase = 0.18552713f;               /* rad; of a valid protection level; of x, y */
-    /* rad; 0.01 times the limit, while a group is excluded; of x, y */
-    static const float excluded_limit_phase = 0.0018552713f;
     static const float largest_level_yaw = 6.6f; /* rad; 100 times the limit: level that is reported at most */
+    static const float limit_phase = 0.18552713f;               /* rad; of a valid protection level; of x, y */
+    /* rad; 0.05 times the limit, while a group is excluded; of x, y */
+    static const float excluded_limit_phase = 0.009276357f;
     static const float limit_yaw = 0.066f;                      /* rad; of a valid protection level */
-    static const float excluded_limit_yaw = 0.00066f; /* rad; 0.01 times the limit, while a group is excluded */
+    static const float excluded_limit_yaw = 0.0033f; /* rad; 0.05 times the limit, while a group is excluded */
+    static const uint32_t starts = 24u;                         /* 1; of a sweep */
     static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
+    static const float channel_variance = 2.6e-05f;             /* V^2; variance of a channel, from R */
+    static const float test_threshold = 16.266235f; /* 1; chi-square of 3 degrees of freedom, false alarm 0.001 */
+    /* 1; chi-square of 1 degrees of freedom, half of risk 0.001: without the excluded group */
+    static const float hypothesis_threshold = 12.115665f;
     static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
     static const uint32_t last_start = 23u;                     /* 1; number of the last start of a sweep */
     static const float agreement_phase = 0.15f; /* rad; solutions closer than this count as one; of x, y */
@@ -365,28 +377,21 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     static const float largest_motion_phase = 0.5f;             /* rad; predicted change a sample at most; of x, y */
     static const float largest_motion_yaw = 0.1f;               /* rad; predicted change a sample at most */
     static const float test_cost = 0.00042292214f;              /* V^2; test_threshold times channel_variance */
-    /* V^2; 2 times hypothesis_cost: of a competing hypothesis that is refuted */
-    static const float refuted_cost = 0.0006300146f;
-    /* V; alpha + 5 beta: of sin p in the field alpha sin p + beta sin 5p */
-    static const float estimator_field_1 = 2.24906f;
-    /* V; -20 beta: of sin^3 p in the field alpha sin p + beta sin 5p */
-    static const float estimator_field_3 = 3.60456f;
-    /* V; 16 beta: of sin^5 p in the field alpha sin p + beta sin 5p */
-    static const float estimator_field_5 = -2.883648f;
-    const float estimator_motion_yaw = state->estimator_motion_yaw;
-    const float starts_3 = hall_position_three_limit(state->estimator_yaw + estimator_motion_yaw, highest_yaw);
+
+    const float motion_yaw = state->motion_yaw;
+    const float starts_3 = hall_position_three_limit(state->yaw + motion_yaw, highest_yaw);
     const float cos_yaw_argument = starts_3 * starts_3;
     const float cos_yaw = cosine_polynomial(cos_yaw_argument);
     const float sin_yaw = starts_3 * sine_polynomial(cos_yaw_argument);
-    const float estimator_motion_phase_x = state->estimator_motion_phase_x;
-    const float phase_x_plus_motion_phase_x = state->estimator_phase_x + estimator_motion_phase_x;
-    float ax_part_sine_choice = phase_x_plus_motion_phase_x;
+    const float motion_phase_x = state->motion_phase_x;
+    const float phase_x_plus_motion_phase_x = state->phase_x + motion_phase_x;
+    float ax_part_cosine_choice = phase_x_plus_motion_phase_x;
     if (pi < phase_x_plus_motion_phase_x) {
-        ax_part_sine_choice = phase_x_plus_motion_phase_x - two_pi;
+        ax_part_cosine_choice = phase_x_plus_motion_phase_x - two_pi;
     }
-    float starts_1 = ax_part_sine_choice;
-    if (ax_part_sine_choice < -pi) {
-        starts_1 = ax_part_sine_choice + two_pi;
+    float starts_1 = ax_part_cosine_choice;
+    if (ax_part_cosine_choice < -pi) {
+        starts_1 = ax_part_cosine_choice + two_pi;
     }
     const float arm_a_x_times_cos_yaw = arm_a_x * cos_yaw;
     const float arm_a_y_times_sin_yaw = arm_a_y * sin_yaw;
@@ -402,15 +407,15 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float sines_2_ax = 8.0f * sine_2_times_ax_part_cosine;
     const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
-    const float estimator_motion_phase_y = state->estimator_motion_phase_y;
-    const float phase_y_plus_motion_phase_y = state->estimator_phase_y + estimator_motion_phase_y;
-    float ay_part_sine_choice = phase_y_plus_motion_phase_y;
+    const float motion_phase_y = state->motion_phase_y;
+    const float phase_y_plus_motion_phase_y = state->phase_y + motion_phase_y;
+    float ay_part_cosine_choice = phase_y_plus_motion_phase_y;
     if (pi < phase_y_plus_motion_phase_y) {
-        ay_part_sine_choice = phase_y_plus_motion_phase_y - two_pi;
+        ay_part_cosine_choice = phase_y_plus_motion_phase_y - two_pi;
     }
-    float starts_2 = ay_part_sine_choice;
-    if (ay_part_sine_choice < -pi) {
-        starts_2 = ay_part_sine_choice + two_pi;
+    float starts_2 = ay_part_cosine_choice;
+    if (ay_part_cosine_choice < -pi) {
+        starts_2 = ay_part_cosine_choice + two_pi;
     }
     const float arm_a_y_times_cos_yaw = -arm_a_y * cos_yaw;
     const float arm_a_x_times_sin_yaw = arm_a_x * sin_yaw;
@@ -474,91 +479,77 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     /*@ admit -2.002f <= cy_part_doubled <= 2.002f; */
     const float cy_part_full = cy_part_doubled * (1.0f - (0.125f * (cy_part_sine * cy_part_sine)));
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
-    const uint32_t estimator_competing = state->estimator_competing;
-    const bool x_certain = 0.0f < rejected;
-    const bool x_trial = (estimator_competing != 0u) && !x_certain;
-    const float estimator_amplitude = state->estimator_amplitude;
-    const float phase_x_sum = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
-    const float ax_part_full_squared = ax_part_full * ax_part_full;
-    const float rows_1_4 = ax_part_full * (estimator_field_1 +
-        (ax_part_full_squared * (estimator_field_3 + (ax_part_full_squared * estimator_field_5))));
-    const float residuals_1_phase_x = phase_x_sum - (estimator_amplitude * rows_1_4);
-    const float phase_x_sum_2 = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
-    const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float rows_2_4 = ay_part_full * (estimator_field_1 +
-        (ay_part_full_squared * (estimator_field_3 + (ay_part_full_squared * estimator_field_5))));
-    const float residuals_2_phase_x = phase_x_sum_2 - (estimator_amplitude * rows_2_4);
-    const float phase_x_sum_3 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
-    const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float rows_3_4 = bx_part_full * (estimator_field_1 +
-        (bx_part_full_squared * (estimator_field_3 + (bx_part_full_squared * estimator_field_5))));
-    const float residuals_3_phase_x = phase_x_sum_3 - (estimator_amplitude * rows_3_4);
-    const float phase_x_sum_4 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
-    const float by_part_full_squared = by_part_full * by_part_full;
-    const float rows_4_4 = by_part_full * (estimator_field_1 +
-        (by_part_full_squared * (estimator_field_3 + (by_part_full_squared * estimator_field_5))));
-    const float residuals_4_phase_x = phase_x_sum_4 - (estimator_amplitude * rows_4_4);
-    const float phase_x_sum_5 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
-    const float cx_part_full_squared = cx_part_full * cx_part_full;
-    const float rows_5_4 = cx_part_full * (estimator_field_1 +
-        (cx_part_full_squared * (estimator_field_3 + (cx_part_full_squared * estimator_field_5))));
-    const float residuals_5_phase_x = phase_x_sum_5 - (estimator_amplitude * rows_5_4);
-    const float phase_x_sum_6 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
-    const float cy_part_full_squared = cy_part_full * cy_part_full;
-    const float rows_6_4 = cy_part_full * (estimator_field_1 +
-        (cy_part_full_squared * (estimator_field_3 + (cy_part_full_squared * estimator_field_5))));
-    const float residuals_6_phase_x = phase_x_sum_6 - (estimator_amplitude * rows_6_4);
-    const float offsets_4_phase_x = estimator_amplitude - 1.0f;
+    const uint32_t start_number = state->start_number;
+    const bool tracking = starts <= start_number;
     const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
-    const float phase_x_product = estimator_amplitude * estimator_field_1;
-    const float phase_x_product_2 = 3.0f * (estimator_amplitude * estimator_field_3);
-    const float phase_x_product_3 = estimator_amplitude * estimator_field_5;
-    const float rows_1_1 = start_cosine_ax * (phase_x_product +
-        (ax_part_full_squared * (phase_x_product_2 + (5.0f * (ax_part_full_squared * phase_x_product_3)))));
+    const float amplitude_2 = state->amplitude;
+    const float amplitude_times_field_1 = amplitude_2 * field_1;
+    const float ax_part_full_squared = ax_part_full * ax_part_full;
+    const float phase_x_product = 3.0f * (amplitude_2 * field_3);
+    const float amplitude_times_field_5 = amplitude_2 * field_5;
+    const float rows_1_1 = start_cosine_ax * (amplitude_times_field_1 +
+        (ax_part_full_squared * (phase_x_product + (5.0f * (ax_part_full_squared * amplitude_times_field_5)))));
     const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
-    const float rows_3_1 = start_cosine_bx * (phase_x_product +
-        (bx_part_full_squared * (phase_x_product_2 + (5.0f * (bx_part_full_squared * phase_x_product_3)))));
+    const float bx_part_full_squared = bx_part_full * bx_part_full;
+    const float rows_3_1 = start_cosine_bx * (amplitude_times_field_1 +
+        (bx_part_full_squared * (phase_x_product + (5.0f * (bx_part_full_squared * amplitude_times_field_5)))));
     const float start_cosine_cx = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
-    const float rows_5_1 = start_cosine_cx * (phase_x_product +
-        (cx_part_full_squared * (phase_x_product_2 + (5.0f * (cx_part_full_squared * phase_x_product_3)))));
-    const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
-        (rows_5_1 * residuals_5_phase_x);
+    const float cx_part_full_squared = cx_part_full * cx_part_full;
+    const float rows_5_1 = start_cosine_cx * (amplitude_times_field_1 +
+        (cx_part_full_squared * (phase_x_product + (5.0f * (cx_part_full_squared * amplitude_times_field_5)))));
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1);
-    const float inverse_1 = 1.0f / hall_position_three_max(left_1_1, least_pivot);
-    const float phase_x_product_4 = gradient_1_phase_x * inverse_1;
     const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
-    const float rows_2_2 = start_cosine_ay * (phase_x_product +
-        (ay_part_full_squared * (phase_x_product_2 + (5.0f * (ay_part_full_squared * phase_x_product_3)))));
+    const float ay_part_full_squared = ay_part_full * ay_part_full;
+    const float rows_2_2 = start_cosine_ay * (amplitude_times_field_1 +
+        (ay_part_full_squared * (phase_x_product + (5.0f * (ay_part_full_squared * amplitude_times_field_5)))));
     const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
-    const float rows_4_2 = start_cosine_by * (phase_x_product +
-        (by_part_full_squared * (phase_x_product_2 + (5.0f * (by_part_full_squared * phase_x_product_3)))));
+    const float by_part_full_squared = by_part_full * by_part_full;
+    const float rows_4_2 = start_cosine_by * (amplitude_times_field_1 +
+        (by_part_full_squared * (phase_x_product + (5.0f * (by_part_full_squared * amplitude_times_field_5)))));
     const float start_cosine_cy = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
-    const float rows_6_2 = start_cosine_cy * (phase_x_product +
-        (cy_part_full_squared * (phase_x_product_2 + (5.0f * (cy_part_full_squared * phase_x_product_3)))));
-    const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
-        (rows_6_2 * residuals_6_phase_x);
+    const float cy_part_full_squared = cy_part_full * cy_part_full;
+    const float rows_6_2 = start_cosine_cy * (amplitude_times_field_1 +
+        (cy_part_full_squared * (phase_x_product + (5.0f * (cy_part_full_squared * amplitude_times_field_5)))));
     const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2);
-    const float inverse_2 = 1.0f / hall_position_three_max(left_2_2_phase_x, least_pivot);
-    const float phase_x_product_5 = gradient_2_phase_x * inverse_2;
-    const float rows_1_3 = phase_x_sum_2 + (rows_1_1 * (arm_a_y_times_cos_yaw - arm_a_x_times_sin_yaw));
-    const float minus_rows_2_3 = phase_x_sum - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
-    const float rows_3_3 = phase_x_sum_4 + (rows_3_1 * (arm_b_x_times_sin_yaw - arm_b_y_times_cos_yaw));
-    const float minus_rows_4_3 = phase_x_sum_3 - (rows_4_2 * ((arm_b_x * cos_yaw) - arm_b_y_times_sin_yaw));
-    const float rows_5_3 = phase_x_sum_6 + (rows_5_1 * (arm_c_x_times_sin_yaw - arm_c_y_times_cos_yaw));
-    const float minus_rows_6_3 = phase_x_sum_5 - (rows_6_2 * ((arm_c_x * cos_yaw) - arm_c_y_times_sin_yaw));
+    const float phase_x_sum = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
+    const float rows_1_3 = phase_x_sum + (rows_1_1 * (arm_a_y_times_cos_yaw - arm_a_x_times_sin_yaw));
+    const float phase_x_sum_2 = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
+    const float minus_rows_2_3 = phase_x_sum_2 - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
+    const float phase_x_sum_3 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
+    const float rows_3_3 = phase_x_sum_3 + (rows_3_1 * (arm_b_x_times_sin_yaw - arm_b_y_times_cos_yaw));
+    const float phase_x_sum_4 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
+    const float minus_rows_4_3 = phase_x_sum_4 - (rows_4_2 * ((arm_b_x * cos_yaw) - arm_b_y_times_sin_yaw));
+    const float phase_x_sum_5 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
+    const float rows_5_3 = phase_x_sum_5 + (rows_5_1 * (arm_c_x_times_sin_yaw - arm_c_y_times_cos_yaw));
+    const float phase_x_sum_6 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
+    const float minus_rows_6_3 = phase_x_sum_6 - (rows_6_2 * ((arm_c_x * cos_yaw) - arm_c_y_times_sin_yaw));
+    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (minus_rows_2_3 * minus_rows_2_3) + (rows_3_3 * rows_3_3) +
+        (minus_rows_4_3 * minus_rows_4_3) + (rows_5_3 * rows_5_3) + (minus_rows_6_3 * minus_rows_6_3);
+    const float rows_1_4 = ax_part_full * (field_1 +
+        (ax_part_full_squared * (field_3 + (ax_part_full_squared * field_5))));
+    const float rows_2_4 = ay_part_full * (field_1 +
+        (ay_part_full_squared * (field_3 + (ay_part_full_squared * field_5))));
+    const float rows_3_4 = bx_part_full * (field_1 +
+        (bx_part_full_squared * (field_3 + (bx_part_full_squared * field_5))));
+    const float rows_4_4 = by_part_full * (field_1 +
+        (by_part_full_squared * (field_3 + (by_part_full_squared * field_5))));
+    const float rows_5_4 = cx_part_full * (field_1 +
+        (cx_part_full_squared * (field_3 + (cx_part_full_squared * field_5))));
+    const float rows_6_4 = cy_part_full * (field_1 +
+        (cy_part_full_squared * (field_3 + (cy_part_full_squared * field_5))));
+    const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
+        (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + prior_weight_amplitude;
+    const bool factors_2 = (left_1_1 <= largest_information) && (left_2_2_phase_x <= largest_information) &&
+        (left_3_3_phase_x <= largest_information_yaw) && (left_4_4_phase_x <= largest_information);
+    const float inverse_1 = 1.0f / hall_position_three_max(left_1_1, least_pivot);
     const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1);
     const float lower_3_1 = hall_position_three_limit(left_3_1 * inverse_1, largest_L_yaw_phase);
     const float minus_left_3_2 = (minus_rows_2_3 * rows_2_2) + (minus_rows_4_3 * rows_4_2) +
         (minus_rows_6_3 * rows_6_2);
+    const float inverse_2 = 1.0f / hall_position_three_max(left_2_2_phase_x, least_pivot);
     const float lower_3_2 = hall_position_three_limit(-(minus_left_3_2 * inverse_2), largest_L_yaw_phase);
-    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (minus_rows_2_3 * residuals_2_phase_x) +
-        (rows_3_3 * residuals_3_phase_x) - (minus_rows_4_3 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
-        (minus_rows_6_3 * residuals_6_phase_x) - (lower_3_1 * gradient_1_phase_x) - (lower_3_2 * gradient_2_phase_x);
-    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (minus_rows_2_3 * minus_rows_2_3) + (rows_3_3 * rows_3_3) +
-        (minus_rows_4_3 * minus_rows_4_3) + (rows_5_3 * rows_5_3) + (minus_rows_6_3 * minus_rows_6_3);
     const float inverse_3 = 1.0f / hall_position_three_max(left_3_3_phase_x - (lower_3_1 * left_3_1) +
         (lower_3_2 * minus_left_3_2), least_pivot_yaw);
-    const float phase_x_product_6 = forward_3_phase_x * inverse_3;
     const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1);
     const float lower_4_1 = hall_position_three_limit(left_4_1 * inverse_1, largest_L);
     const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2);
@@ -567,153 +558,129 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         (rows_4_4 * minus_rows_4_3) + (rows_5_4 * rows_5_3) - (rows_6_4 * minus_rows_6_3) - (lower_4_1 * left_3_1) +
         (lower_4_2 * minus_left_3_2);
     const float lower_4_3 = hall_position_three_limit(left_4_3_phase_x * inverse_3, largest_L_amplitude_yaw);
-    const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
-        (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
-        (rows_6_4 * residuals_6_phase_x) - (prior_weight_amplitude * offsets_4_phase_x) -
-        (lower_4_1 * gradient_1_phase_x) - (lower_4_2 * gradient_2_phase_x) - (lower_4_3 * forward_3_phase_x);
-    const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
-        (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + prior_weight_amplitude;
+    const float deviation_phase_x_sum = lower_4_1 - (lower_4_3 * lower_3_1);
     const float diagonal_4 = 1.0f / hall_position_three_max(left_4_4_phase_x - (lower_4_1 * left_4_1) -
         (lower_4_2 * left_4_2) - (lower_4_3 * left_4_3_phase_x), least_pivot);
-    const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
-    const float protection_phase_x_sum = (residuals_1_phase_x * residuals_1_phase_x) +
-        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
-        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
-        (residuals_6_phase_x * residuals_6_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
-        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_4) + (gradient_2_phase_x * phase_x_product_5) +
-        (forward_3_phase_x * phase_x_product_6) + (forward_4_phase_x * steps_4_phase_x));
-    const float full_cost = hall_position_three_max(protection_phase_x_sum, 0.0f);
-    const float steps_3_phase_x = phase_x_product_6 - (lower_4_3 * steps_4_phase_x);
-    const float steps_1_phase_x = phase_x_product_4 - (lower_3_1 * steps_3_phase_x) - (lower_4_1 * steps_4_phase_x);
-    const float scores_1_phase_x = residuals_1_phase_x -
-        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
+    const float diagonal_1 = inverse_1 + (lower_3_1 * lower_3_1 * inverse_3) +
+        (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
+    const bool x_certain = 0.0f < rejected;
+    const uint32_t excluded_2 = state->excluded;
+    const float excluded = hall_position_three_max((x_certain) ? rejected : (float)excluded_2, 0.0f);
+    const bool none_phase_x = excluded < 1.0f;
     const float rows_1_1_times_inverse_1 = rows_1_1 * inverse_1;
     const float b_3_phase_x = rows_1_3 - (lower_3_1 * rows_1_1);
     const float b_3_phase_x_times_inverse_3 = b_3_phase_x * inverse_3;
     const float b_4_phase_x = rows_1_4 - (lower_4_1 * rows_1_1) - (lower_4_3 * b_3_phase_x);
     const float moves_1_4_phase_x = b_4_phase_x * diagonal_4;
+    const float moves_1_3_phase_x = b_3_phase_x_times_inverse_3 - (lower_4_3 * moves_1_4_phase_x);
+    const float moves_1_1_phase_x = rows_1_1_times_inverse_1 - (lower_3_1 * moves_1_3_phase_x) -
+        (lower_4_1 * moves_1_4_phase_x);
     const float gains_1_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_1_1 * rows_1_1_times_inverse_1) +
         (b_3_phase_x * b_3_phase_x_times_inverse_3) + (b_4_phase_x * moves_1_4_phase_x)), least_separability);
-    const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
-    const float steps_2_phase_x = phase_x_product_5 - (lower_3_2 * steps_3_phase_x) - (lower_4_2 * steps_4_phase_x);
+    const float residuals_1_phase_x = phase_x_sum_2 - (amplitude_2 * rows_1_4);
+    const float residuals_3_phase_x = phase_x_sum_4 - (amplitude_2 * rows_3_4);
+    const float residuals_5_phase_x = phase_x_sum_6 - (amplitude_2 * rows_5_4);
+    const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
+        (rows_5_1 * residuals_5_phase_x);
+    const float phase_x_product_2 = gradient_1_phase_x * inverse_1;
+    const float residuals_2_phase_x = phase_x_sum - (amplitude_2 * rows_2_4);
+    const float residuals_4_phase_x = phase_x_sum_3 - (amplitude_2 * rows_4_4);
+    const float residuals_6_phase_x = phase_x_sum_5 - (amplitude_2 * rows_6_4);
+    const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
+        (rows_6_2 * residuals_6_phase_x);
+    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (minus_rows_2_3 * residuals_2_phase_x) +
+        (rows_3_3 * residuals_3_phase_x) - (minus_rows_4_3 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
+        (minus_rows_6_3 * residuals_6_phase_x) - (lower_3_1 * gradient_1_phase_x) - (lower_3_2 * gradient_2_phase_x);
+    const float phase_x_product_3 = forward_3_phase_x * inverse_3;
+    const float offsets_4_phase_x = amplitude_2 - 1.0f;
+    const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
+        (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
+        (rows_6_4 * residuals_6_phase_x) - (prior_weight_amplitude * offsets_4_phase_x) -
+        (lower_4_1 * gradient_1_phase_x) - (lower_4_2 * gradient_2_phase_x) - (lower_4_3 * forward_3_phase_x);
+    const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
+    const float steps_3_phase_x = phase_x_product_3 - (lower_4_3 * steps_4_phase_x);
+    const float steps_1_phase_x = phase_x_product_2 - (lower_3_1 * steps_3_phase_x) - (lower_4_1 * steps_4_phase_x);
+    const float scores_1_phase_x = residuals_1_phase_x -
+        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
     const float minus_forward_3_phase_x = minus_rows_2_3 + (lower_3_2 * rows_2_2);
+    const float minus_weighted_3_phase_x = minus_forward_3_phase_x * inverse_3;
     const float forward_4_phase_x_2 = rows_2_4 - (lower_4_2 * rows_2_2) + (lower_4_3 * minus_forward_3_phase_x);
     const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
-    const float minus_weighted_3_phase_x = minus_forward_3_phase_x * inverse_3;
+    const float minus_move_3_phase_x = minus_weighted_3_phase_x + (lower_4_3 * weighted_4_phase_x);
     const float minus_S_2_1_phase_x = (weighted_4_phase_x * b_4_phase_x) - (minus_weighted_3_phase_x * b_3_phase_x);
     const float lower_2_1_phase_x = hall_position_three_limit(-(minus_S_2_1_phase_x * gains_1_phase_x), largest_mixing);
-    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
-        (minus_rows_2_3 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
+    const float moves_2_1_phase_x = (lower_3_1 * minus_move_3_phase_x) - (lower_4_1 * weighted_4_phase_x) -
+        (lower_2_1_phase_x * moves_1_1_phase_x);
     const float weighted_2_phase_x = rows_2_2 * inverse_2;
     const float gains_2_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_phase_x) +
         (minus_forward_3_phase_x * minus_weighted_3_phase_x) + (forward_4_phase_x_2 * weighted_4_phase_x)) +
         (lower_2_1_phase_x * minus_S_2_1_phase_x), least_separability);
-    const float protection_phase_x_product_2 = scores_2_phase_x * gains_2_phase_x;
-    const float costs_1 = full_cost -
-        ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
-    const float protection_phase_x_sum_2 = hypothesis_cost + (cancellation * full_cost);
-    const uint32_t estimator_excluded = state->estimator_excluded;
-    const float excluded = hall_position_three_max((x_certain) ? rejected : (float)estimator_excluded, 0.0f);
-    const float scores_3 = residuals_3_phase_x -
-        ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
-    const float rows_3_1_times_inverse_1 = rows_3_1 * inverse_1;
-    const float b_3_phase_x_2 = rows_3_3 - (lower_3_1 * rows_3_1);
-    const float phase_x_product_7 = b_3_phase_x_2 * inverse_3;
-    const float b_4_phase_x_2 = rows_3_4 - (lower_4_1 * rows_3_1) - (lower_4_3 * b_3_phase_x_2);
-    const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
-    const float gains_3 = 1.0f / hall_position_three_max(1.0f - ((rows_3_1 * rows_3_1_times_inverse_1) +
-        (b_3_phase_x_2 * phase_x_product_7) + (b_4_phase_x_2 * moves_3_4)), least_separability);
-    const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float minus_forward_3_phase_x_2 = minus_rows_4_3 + (lower_3_2 * rows_4_2);
-    const float forward_4_phase_x_3 = rows_4_4 - (lower_4_2 * rows_4_2) + (lower_4_3 * minus_forward_3_phase_x_2);
-    const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
-    const float minus_weighted_3_phase_x_2 = minus_forward_3_phase_x_2 * inverse_3;
-    const float minus_S_2_1_phase_x_2 = (weighted_4_phase_x_2 * b_4_phase_x_2) -
-        (minus_weighted_3_phase_x_2 * b_3_phase_x_2);
-    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(minus_S_2_1_phase_x_2 * gains_3), largest_mixing);
-    const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
-        (minus_rows_4_3 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
-    const float weighted_2_phase_x_2 = rows_4_2 * inverse_2;
-    const float gains_4 = 1.0f / hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) +
-        (minus_forward_3_phase_x_2 * minus_weighted_3_phase_x_2) + (forward_4_phase_x_3 * weighted_4_phase_x_2)) +
-        (lower_2_1_phase_x_2 * minus_S_2_1_phase_x_2), least_separability);
-    const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
-    const float costs_2 = full_cost -
-        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
-    const float scores_5 = residuals_5_phase_x -
-        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
-    const float rows_5_1_times_inverse_1 = rows_5_1 * inverse_1;
-    const float b_3_phase_x_3 = rows_5_3 - (lower_3_1 * rows_5_1);
-    const float phase_x_product_8 = b_3_phase_x_3 * inverse_3;
-    const float b_4_phase_x_3 = rows_5_4 - (lower_4_1 * rows_5_1) - (lower_4_3 * b_3_phase_x_3);
-    const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
-    const float gains_5 = 1.0f / hall_position_three_max(1.0f - ((rows_5_1 * rows_5_1_times_inverse_1) +
-        (b_3_phase_x_3 * phase_x_product_8) + (b_4_phase_x_3 * moves_5_4)), least_separability);
-    const float scores_5_times_gains_5 = scores_5 * gains_5;
-    const float minus_forward_3_phase_x_3 = minus_rows_6_3 + (lower_3_2 * rows_6_2);
-    const float forward_4_phase_x_4 = rows_6_4 - (lower_4_2 * rows_6_2) + (lower_4_3 * minus_forward_3_phase_x_3);
-    const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
-    const float minus_weighted_3_phase_x_3 = minus_forward_3_phase_x_3 * inverse_3;
-    const float minus_S_2_1_phase_x_3 = (weighted_4_phase_x_3 * b_4_phase_x_3) -
-        (minus_weighted_3_phase_x_3 * b_3_phase_x_3);
-    const float lower_2_1_phase_x_3 = hall_position_three_limit(-(minus_S_2_1_phase_x_3 * gains_5), largest_mixing);
-    const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
-        (minus_rows_6_3 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
-    const float weighted_2_phase_x_3 = rows_6_2 * inverse_2;
-    const float gain = 1.0f / hall_position_three_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) +
-        (minus_forward_3_phase_x_3 * minus_weighted_3_phase_x_3) + (forward_4_phase_x_4 * weighted_4_phase_x_3)) +
-        (lower_2_1_phase_x_3 * minus_S_2_1_phase_x_3), least_separability);
-    const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
-    const float costs_3 = full_cost -
-        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
-    float x_excluded = (float)estimator_competing;
-    float estimator_excluded_choice = excluded;
-    if (!x_trial) {
-        x_excluded = excluded;
-        if (full_cost <= test_cost) {
-            estimator_excluded_choice = 0.0f;
-        } else {
-            estimator_excluded_choice = (costs_3 < hall_position_three_min(costs_2, costs_1)) ? 3.0f :
-                ((costs_2 < costs_1) ? 2.0f : 1.0f);
-        }
-    }
-    const bool protection_phase_x_test = hall_position_three_equal(x_excluded, 1.0f);
-    const bool passing_1 = (costs_1 <= protection_phase_x_sum_2) || protection_phase_x_test;
-    const uint32_t estimator_plausible_1 = state->estimator_plausible_1;
-    const bool plausible_1 = passing_1 || (estimator_plausible_1 != 0u);
-    const bool protection_phase_x_test_2 = hall_position_three_equal(x_excluded, 2.0f);
-    const bool passing_2 = (costs_2 <= protection_phase_x_sum_2) || protection_phase_x_test_2;
-    const uint32_t estimator_plausible_2 = state->estimator_plausible_2;
-    const bool plausible_2 = passing_2 || (estimator_plausible_2 != 0u);
-    const bool protection_phase_x_test_3 = hall_position_three_equal(x_excluded, 3.0f);
-    const bool passing_3 = (costs_3 <= protection_phase_x_sum_2) || protection_phase_x_test_3;
-    const uint32_t estimator_plausible_3 = state->estimator_plausible_3;
-    const bool now = passing_3 || (estimator_plausible_3 != 0u);
-    const bool none_phase_x = x_excluded < 1.0f;
-    const float moves_1_3_phase_x = b_3_phase_x_times_inverse_3 - (lower_4_3 * moves_1_4_phase_x);
-    const float moves_1_1_phase_x = rows_1_1_times_inverse_1 - (lower_3_1 * moves_1_3_phase_x) -
-        (lower_4_1 * moves_1_4_phase_x);
-    const float minus_move_3_phase_x = minus_weighted_3_phase_x + (lower_4_3 * weighted_4_phase_x);
-    const float moves_2_1_phase_x = (lower_3_1 * minus_move_3_phase_x) - (lower_4_1 * weighted_4_phase_x) -
-        (lower_2_1_phase_x * moves_1_1_phase_x);
+    const float phase_x_product_4 = gradient_2_phase_x * inverse_2;
+    const float steps_2_phase_x = phase_x_product_4 - (lower_3_2 * steps_3_phase_x) - (lower_4_2 * steps_4_phase_x);
+    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
+        (minus_rows_2_3 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
     const float minus_moves_1_2 = (lower_3_2 * moves_1_3_phase_x) + (lower_4_2 * moves_1_4_phase_x);
     const float moves_2_2_phase_x = weighted_2_phase_x + (lower_3_2 * minus_move_3_phase_x) -
         (lower_4_2 * weighted_4_phase_x) + (lower_2_1_phase_x * minus_moves_1_2);
     const float minus_moves_2_3 = minus_move_3_phase_x + (lower_2_1_phase_x * moves_1_3_phase_x);
-    const float moves_3_3 = phase_x_product_7 - (lower_4_3 * moves_3_4);
+    const float rows_3_1_times_inverse_1 = rows_3_1 * inverse_1;
+    const float b_3_phase_x_2 = rows_3_3 - (lower_3_1 * rows_3_1);
+    const float phase_x_product_5 = b_3_phase_x_2 * inverse_3;
+    const float b_4_phase_x_2 = rows_3_4 - (lower_4_1 * rows_3_1) - (lower_4_3 * b_3_phase_x_2);
+    const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
+    const float moves_3_3 = phase_x_product_5 - (lower_4_3 * moves_3_4);
     const float moves_3_1 = rows_3_1_times_inverse_1 - (lower_3_1 * moves_3_3) - (lower_4_1 * moves_3_4);
+    const float gains_3 = 1.0f / hall_position_three_max(1.0f - ((rows_3_1 * rows_3_1_times_inverse_1) +
+        (b_3_phase_x_2 * phase_x_product_5) + (b_4_phase_x_2 * moves_3_4)), least_separability);
+    const float scores_3 = residuals_3_phase_x -
+        ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
+    const float minus_forward_3_phase_x_2 = minus_rows_4_3 + (lower_3_2 * rows_4_2);
+    const float minus_weighted_3_phase_x_2 = minus_forward_3_phase_x_2 * inverse_3;
+    const float forward_4_phase_x_3 = rows_4_4 - (lower_4_2 * rows_4_2) + (lower_4_3 * minus_forward_3_phase_x_2);
+    const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
     const float minus_move_3_phase_x_2 = minus_weighted_3_phase_x_2 + (lower_4_3 * weighted_4_phase_x_2);
+    const float minus_S_2_1_phase_x_2 = (weighted_4_phase_x_2 * b_4_phase_x_2) -
+        (minus_weighted_3_phase_x_2 * b_3_phase_x_2);
+    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(minus_S_2_1_phase_x_2 * gains_3), largest_mixing);
     const float moves_4_1 = (lower_3_1 * minus_move_3_phase_x_2) - (lower_4_1 * weighted_4_phase_x_2) -
         (lower_2_1_phase_x_2 * moves_3_1);
+    const float weighted_2_phase_x_2 = rows_4_2 * inverse_2;
+    const float gains_4 = 1.0f / hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) +
+        (minus_forward_3_phase_x_2 * minus_weighted_3_phase_x_2) + (forward_4_phase_x_3 * weighted_4_phase_x_2)) +
+        (lower_2_1_phase_x_2 * minus_S_2_1_phase_x_2), least_separability);
+    const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
+        (minus_rows_4_3 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
     const float minus_moves_4_3 = minus_move_3_phase_x_2 + (lower_2_1_phase_x_2 * moves_3_3);
     const float minus_moves_3_2 = (lower_3_2 * moves_3_3) + (lower_4_2 * moves_3_4);
     const float moves_4_2 = weighted_2_phase_x_2 + (lower_3_2 * minus_move_3_phase_x_2) -
         (lower_4_2 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * minus_moves_3_2);
-    const float moves_5_3 = phase_x_product_8 - (lower_4_3 * moves_5_4);
+    const float rows_5_1_times_inverse_1 = rows_5_1 * inverse_1;
+    const float b_3_phase_x_3 = rows_5_3 - (lower_3_1 * rows_5_1);
+    const float phase_x_product_6 = b_3_phase_x_3 * inverse_3;
+    const float b_4_phase_x_3 = rows_5_4 - (lower_4_1 * rows_5_1) - (lower_4_3 * b_3_phase_x_3);
+    const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
+    const float moves_5_3 = phase_x_product_6 - (lower_4_3 * moves_5_4);
     const float moves_5_1 = rows_5_1_times_inverse_1 - (lower_3_1 * moves_5_3) - (lower_4_1 * moves_5_4);
+    const float gains_5 = 1.0f / hall_position_three_max(1.0f - ((rows_5_1 * rows_5_1_times_inverse_1) +
+        (b_3_phase_x_3 * phase_x_product_6) + (b_4_phase_x_3 * moves_5_4)), least_separability);
+    const float scores_5 = residuals_5_phase_x -
+        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
+    const float minus_forward_3_phase_x_3 = minus_rows_6_3 + (lower_3_2 * rows_6_2);
+    const float minus_weighted_3_phase_x_3 = minus_forward_3_phase_x_3 * inverse_3;
+    const float forward_4_phase_x_4 = rows_6_4 - (lower_4_2 * rows_6_2) + (lower_4_3 * minus_forward_3_phase_x_3);
+    const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
     const float minus_move_3_phase_x_3 = minus_weighted_3_phase_x_3 + (lower_4_3 * weighted_4_phase_x_3);
+    const float minus_S_2_1_phase_x_3 = (weighted_4_phase_x_3 * b_4_phase_x_3) -
+        (minus_weighted_3_phase_x_3 * b_3_phase_x_3);
+    const float lower_2_1_phase_x_3 = hall_position_three_limit(-(minus_S_2_1_phase_x_3 * gains_5), largest_mixing);
     const float moves_6_1 = (lower_3_1 * minus_move_3_phase_x_3) - (lower_4_1 * weighted_4_phase_x_3) -
         (lower_2_1_phase_x_3 * moves_5_1);
+    const float weighted_2_phase_x_3 = rows_6_2 * inverse_2;
+    const float gain = 1.0f / hall_position_three_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) +
+        (minus_forward_3_phase_x_3 * minus_weighted_3_phase_x_3) + (forward_4_phase_x_4 * weighted_4_phase_x_3)) +
+        (lower_2_1_phase_x_3 * minus_S_2_1_phase_x_3), least_separability);
+    const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
+        (minus_rows_6_3 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
     const float minus_moves_6_3 = minus_move_3_phase_x_3 + (lower_2_1_phase_x_3 * moves_5_3);
     const float minus_moves_5_2 = (lower_3_2 * moves_5_3) + (lower_4_2 * moves_5_4);
     const float moves_6_2 = weighted_2_phase_x_3 + (lower_3_2 * minus_move_3_phase_x_3) -
@@ -733,15 +700,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     bool phase_x_if_not_none_phase_x_3 = true;
     float moves_1_2_phase_x;
     float moves_2_2_phase_x_2 = moves_2_2_phase_x;
-    if (x_excluded < 2.0f) {
+    if (excluded < 2.0f) {
         moves_2_3_phase_x = -minus_moves_2_3;
         moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_1_4_phase_x);
         moves_1_2_phase_x = -minus_moves_1_2;
     } else {
-        phase_x_if_not_none_phase_x = true;
-        const bool x_excluded_below_3 = x_excluded < 3.0f;
-        if (x_excluded_below_3) {
-            phase_x_if_not_none_phase_x_2 = false;
+        const bool excluded_below_3 = excluded < 3.0f;
+        if (excluded_below_3) {
             moves_1_1_phase_x_2 = moves_3_1;
             gains_1_phase_x_2 = gains_3;
             scores_1_phase_x_2 = scores_3;
@@ -752,6 +717,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             moves_2_3_phase_x = -minus_moves_4_3;
             moves_1_4_phase_x_2 = moves_3_4;
             moves_2_4_phase_x = weighted_4_phase_x_2 - (lower_2_1_phase_x_2 * moves_3_4);
+            phase_x_if_not_none_phase_x_2 = false;
             moves_1_2_phase_x = -minus_moves_3_2;
             moves_2_2_phase_x_2 = moves_4_2;
         } else {
@@ -768,7 +734,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             moves_1_2_phase_x = -minus_moves_5_2;
             moves_2_2_phase_x_2 = moves_6_2;
         }
-        phase_x_if_not_none_phase_x_3 = x_excluded_below_3;
+        phase_x_if_not_none_phase_x = true;
+        phase_x_if_not_none_phase_x_3 = excluded_below_3;
     }
     float added_1_phase_x = 0.0f;
     bool weights_1 = true;
@@ -782,15 +749,15 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float added_3_deviation_yaw = 0.0f;
     float added_4_deviation_amplitude = 0.0f;
     if (!none_phase_x) {
-        const float phase_x_product_9 = gains_1_phase_x_2 * scores_1_phase_x_2;
-        const float phase_x_product_10 = gains_2_phase_x_2 * scores_2_phase_x_2;
-        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_product_9) + (moves_2_1_phase_x_2 * phase_x_product_10));
+        const float phase_x_product_7 = gains_1_phase_x_2 * scores_1_phase_x_2;
+        const float phase_x_product_8 = gains_2_phase_x_2 * scores_2_phase_x_2;
+        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_product_7) + (moves_2_1_phase_x_2 * phase_x_product_8));
         weights_1 = phase_x_if_not_none_phase_x;
-        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_product_9) + (moves_2_3_phase_x * phase_x_product_10));
-        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_product_9) + (moves_2_4_phase_x * phase_x_product_10));
+        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_product_7) + (moves_2_3_phase_x * phase_x_product_8));
+        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_product_7) + (moves_2_4_phase_x * phase_x_product_8));
         weights_3 = phase_x_if_not_none_phase_x_2;
         weights_5 = phase_x_if_not_none_phase_x_3;
-        added_2_phase_x = -((moves_1_2_phase_x * phase_x_product_9) + (moves_2_2_phase_x_2 * phase_x_product_10));
+        added_2_phase_x = -((moves_1_2_phase_x * phase_x_product_7) + (moves_2_2_phase_x_2 * phase_x_product_8));
         added_1_deviation_phase_x = (gains_1_phase_x_2 * (moves_1_1_phase_x_2 * moves_1_1_phase_x_2)) +
             (gains_2_phase_x_2 * (moves_2_1_phase_x_2 * moves_2_1_phase_x_2));
         added_2_deviation_phase_y = (gains_1_phase_x_2 * (moves_1_2_phase_x * moves_1_2_phase_x)) +
@@ -800,6 +767,17 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         added_4_deviation_amplitude = (gains_1_phase_x_2 * (moves_1_4_phase_x_2 * moves_1_4_phase_x_2)) +
             (gains_2_phase_x_2 * (moves_2_4_phase_x * moves_2_4_phase_x));
     }
+    const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
+    const float deviation_phase_y_sum = lower_4_2 - (lower_4_3 * lower_3_2);
+    const float diagonal_2 = inverse_2 + (lower_3_2 * lower_3_2 * inverse_3) +
+        (deviation_phase_y_sum * deviation_phase_y_sum * diagonal_4);
+    const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
+    const float diagonal_3 = inverse_3 + (lower_4_3 * lower_4_3 * diagonal_4);
+    const float variances_3 = diagonal_3 + added_3_deviation_yaw;
+    const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
+    const bool weak = !factors_2 || (weak_from <= variances_1) || (weak_from <= variances_2) ||
+        (weak_from_yaw <= variances_3) || (weak_from <= variances_4);
+    const bool phases_valid_test = screened && !weak;
     const float best_3 = hall_position_three_limit(steps_3_phase_x + added_3_phase_x, largest_step_yaw);
     const float moved_3_2 = hall_position_three_limit(starts_3 + best_3, highest_yaw);
     const float cosine_argument = moved_3_2 * moved_3_2;
@@ -809,7 +787,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float best_1 = hall_position_three_limit(steps_1_phase_x + added_1_phase_x, largest_step_phase);
     const float limited_3_sine = hall_position_three_limit(turns_3_sine - sin_yaw, largest_step_yaw);
     const float best_4 = hall_position_three_limit(steps_4_phase_x + added_4_phase_x, largest_step_amplitude);
-    const float phase_x_limited = hall_position_three_max(hall_position_three_min(estimator_amplitude + best_4,
+    const float phase_x_limited = hall_position_three_max(hall_position_three_min(amplitude_2 + best_4,
         highest_amplitude), lowest_amplitude);
     const float best_2 = hall_position_three_limit(steps_2_phase_x + added_2_phase_x, largest_step_phase);
     float phase_x_choice = 0.0f;
@@ -823,18 +801,16 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float phasors_1_sine = (ax_part_full * cosine_2_polynomial(cosine_2_argument)) +
             (start_cosine_ax * (by_ax * sine_4_polynomial(cosine_2_argument)));
         const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
-        const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) -
-            (phase_x_limited * (phasors_1_sine * (estimator_field_1 +
-            (phasors_1_sine_squared * (estimator_field_3 + (phasors_1_sine_squared * estimator_field_5))))));
+        const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) - (phase_x_limited
+            * (phasors_1_sine * (field_1 + (phasors_1_sine_squared * (field_3 + (phasors_1_sine_squared * field_5))))));
         phase_x_choice = rows_1_1 * residuals_1_phase_x_2;
         const float by_ay = best_2 + (arm_a_y * limited_3_cosine) + (arm_a_x * limited_3_sine);
         const float cosine_2_argument_2 = by_ay * by_ay;
         const float phasors_2_sine = (ay_part_full * cosine_2_polynomial(cosine_2_argument_2)) +
             (start_cosine_ay * (by_ay * sine_4_polynomial(cosine_2_argument_2)));
         const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
-        const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) -
-            (phase_x_limited * (phasors_2_sine * (estimator_field_1 +
-            (phasors_2_sine_squared * (estimator_field_3 + (phasors_2_sine_squared * estimator_field_5))))));
+        const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) - (phase_x_limited
+            * (phasors_2_sine * (field_1 + (phasors_2_sine_squared * (field_3 + (phasors_2_sine_squared * field_5))))));
         phase_x_choice_2 = (rows_1_3 * residuals_1_phase_x_2) - (minus_rows_2_3 * residuals_2_phase_x_2);
         phase_x_choice_3 = rows_2_2 * residuals_2_phase_x_2;
         phase_x_choice_4 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
@@ -855,9 +831,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float phasors_3_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument_3)) +
             (start_cosine_bx * (by_bx * sine_4_polynomial(cosine_2_argument_3)));
         const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
-        const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) -
-            (phase_x_limited * (phasors_3_sine * (estimator_field_1 +
-            (phasors_3_sine_squared * (estimator_field_3 + (phasors_3_sine_squared * estimator_field_5))))));
+        const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) - (phase_x_limited
+            * (phasors_3_sine * (field_1 + (phasors_3_sine_squared * (field_3 + (phasors_3_sine_squared * field_5))))));
         phase_x_choice_5 = rows_3_1 * residuals_3_phase_x_2;
         phase_x_choice_6 = rows_3_3 * residuals_3_phase_x_2;
         const float by = best_2 + (arm_b_y * limited_3_cosine) + (arm_b_x * limited_3_sine);
@@ -865,9 +840,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float phasors_4_sine = (by_part_full * cosine_2_polynomial(cosine_2_argument_4)) +
             (start_cosine_by * (by * sine_4_polynomial(cosine_2_argument_4)));
         const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
-        const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) -
-            (phase_x_limited * (phasors_4_sine * (estimator_field_1 +
-            (phasors_4_sine_squared * (estimator_field_3 + (phasors_4_sine_squared * estimator_field_5))))));
+        const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) - (phase_x_limited
+            * (phasors_4_sine * (field_1 + (phasors_4_sine_squared * (field_3 + (phasors_4_sine_squared * field_5))))));
         phase_x_choice_7 = -(minus_rows_4_3 * residuals_4_phase_x_2);
         phase_x_choice_8 = rows_4_2 * residuals_4_phase_x_2;
         phase_x_choice_9 = rows_3_4 * residuals_3_phase_x_2;
@@ -889,9 +863,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float phasors_5_sine = (cx_part_full * cosine_2_polynomial(cosine_2_argument_5)) +
             (start_cosine_cx * (by_cx * sine_4_polynomial(cosine_2_argument_5)));
         const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
-        const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) -
-            (phase_x_limited * (phasors_5_sine * (estimator_field_1 +
-            (phasors_5_sine_squared * (estimator_field_3 + (phasors_5_sine_squared * estimator_field_5))))));
+        const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) - (phase_x_limited
+            * (phasors_5_sine * (field_1 + (phasors_5_sine_squared * (field_3 + (phasors_5_sine_squared * field_5))))));
         phase_x_choice_11 = rows_5_1 * residuals_5_phase_x_2;
         phase_x_choice_12 = rows_5_3 * residuals_5_phase_x_2;
         const float by_cy = best_2 + (arm_c_y * limited_3_cosine) + (arm_c_x * limited_3_sine);
@@ -899,9 +872,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float phasors_6_sine = (cy_part_full * cosine_2_polynomial(cosine_2_argument_6)) +
             (start_cosine_cy * (by_cy * sine_4_polynomial(cosine_2_argument_6)));
         const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
-        const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) -
-            (phase_x_limited * (phasors_6_sine * (estimator_field_1 +
-            (phasors_6_sine_squared * (estimator_field_3 + (phasors_6_sine_squared * estimator_field_5))))));
+        const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) - (phase_x_limited
+            * (phasors_6_sine * (field_1 + (phasors_6_sine_squared * (field_3 + (phasors_6_sine_squared * field_5))))));
         phase_x_choice_13 = -(minus_rows_6_3 * residuals_6_phase_x_2);
         phase_x_choice_14 = rows_6_2 * residuals_6_phase_x_2;
         phase_x_choice_15 = rows_5_4 * residuals_5_phase_x_2;
@@ -911,14 +883,14 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     }
     const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
     const float gradient_1_phase_x_2 = phase_x_choice + phase_x_choice_5 + phase_x_choice_11;
-    const float phase_x_product_11 = gradient_1_phase_x_2 * inverse_1;
+    const float phase_x_product_9 = gradient_1_phase_x_2 * inverse_1;
     const float gradient_2_phase_x_2 = phase_x_choice_3 + phase_x_choice_8 + phase_x_choice_14;
     const float phase_y_product = gradient_2_phase_x_2 * inverse_2;
     const float gradient_3_phase_x = phase_x_choice_2 + phase_x_choice_6 + phase_x_choice_7 + phase_x_choice_12 +
         phase_x_choice_13;
     const float forward_3_phase_x_2 = gradient_3_phase_x - (lower_3_1 * gradient_1_phase_x_2) -
         (lower_3_2 * gradient_2_phase_x_2);
-    const float phase_x_product_12 = forward_3_phase_x_2 * inverse_3;
+    const float phase_x_product_10 = forward_3_phase_x_2 * inverse_3;
     const float gradient_4_phase_x = phase_x_choice_4 + phase_x_choice_9 + phase_x_choice_10 + phase_x_choice_15 +
         phase_x_choice_16 - (prior_weight_amplitude * offsets_4_phase_x_2);
     const float forward_4_phase_x_5 = gradient_4_phase_x - (lower_4_1 * gradient_1_phase_x_2) -
@@ -933,153 +905,99 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float projections_1 = hall_position_three_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
             (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
             (moves_1_4_phase_x_2 * gradient_4_phase_x), largest_projection);
-        const float phase_x_product_13 = gains_1_phase_x_2 * projections_1;
+        const float phase_x_product_11 = gains_1_phase_x_2 * projections_1;
         const float projections_2 = hall_position_three_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
             (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
             (moves_2_4_phase_x * gradient_4_phase_x), largest_projection);
-        const float phase_x_product_14 = gains_2_phase_x_2 * projections_2;
-        added_1_phase_x_2 = (moves_1_1_phase_x_2 * phase_x_product_13) + (moves_2_1_phase_x_2 * phase_x_product_14);
-        added_2_phase_y = (moves_1_2_phase_x * phase_x_product_13) + (moves_2_2_phase_x_2 * phase_x_product_14);
-        added_3_yaw = (moves_1_3_phase_x_2 * phase_x_product_13) + (moves_2_3_phase_x * phase_x_product_14);
-        added_4_amplitude = (moves_1_4_phase_x_2 * phase_x_product_13) + (moves_2_4_phase_x * phase_x_product_14);
+        const float phase_x_product_12 = gains_2_phase_x_2 * projections_2;
+        added_1_phase_x_2 = (moves_1_1_phase_x_2 * phase_x_product_11) + (moves_2_1_phase_x_2 * phase_x_product_12);
+        added_2_phase_y = (moves_1_2_phase_x * phase_x_product_11) + (moves_2_2_phase_x_2 * phase_x_product_12);
+        added_3_yaw = (moves_1_3_phase_x_2 * phase_x_product_11) + (moves_2_3_phase_x * phase_x_product_12);
+        added_4_amplitude = (moves_1_4_phase_x_2 * phase_x_product_11) + (moves_2_4_phase_x * phase_x_product_12);
         added_chi_square = (gains_1_phase_x_2 * (projections_1 * projections_1)) +
             (gains_2_phase_x_2 * (projections_2 * projections_2));
     }
-    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_11) + (gradient_2_phase_x_2 * phase_y_product)
-        + (forward_3_phase_x_2 * phase_x_product_12) + (forward_4_phase_x_5 * steps_4_phase_x_2) + added_chi_square;
+    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_9) + (gradient_2_phase_x_2 * phase_y_product) +
+        (forward_3_phase_x_2 * phase_x_product_10) + (forward_4_phase_x_5 * steps_4_phase_x_2) + added_chi_square;
     const float cost_chi_square = hall_position_three_max(chi_square_choice + chi_square_choice_2 +
         chi_square_choice_3 + chi_square_choice_4 + chi_square_choice_5 +
         (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
-    const float steps_3_phase_x_2 = phase_x_product_12 - (lower_4_3 * steps_4_phase_x_2);
-    const float moved_1 = hall_position_three_limit(best_1 + (phase_x_product_11 - (lower_3_1 * steps_3_phase_x_2) -
-        (lower_4_1 * steps_4_phase_x_2) + added_1_phase_x_2), largest_step_phase);
-    const float moved_2 = hall_position_three_limit(best_2 + (phase_y_product - (lower_3_2 * steps_3_phase_x_2) -
-        (lower_4_2 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
-    const float moved_3 = hall_position_three_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), largest_step_yaw);
-    float phase_x = starts_1;
-    float phase_y = starts_2;
-    float yaw = starts_3;
-    float amplitude = estimator_amplitude;
-    float motions_motion_phase_x = estimator_motion_phase_x;
-    float motions_motion_phase_y = estimator_motion_phase_y;
-    float motions_motion_yaw = estimator_motion_yaw;
-    bool estimator_plausible_1_test = plausible_1;
-    bool estimator_plausible_2_test = plausible_2;
-    bool estimator_plausible_3_test = now;
-    if (x_trial) {
-        const bool refuted = x_trial && (refuted_cost < cost_chi_square);
-        estimator_plausible_1_test = (estimator_plausible_1 != 0u) && !(refuted && protection_phase_x_test);
-        estimator_plausible_2_test = (estimator_plausible_2 != 0u) && !(refuted && protection_phase_x_test_2);
-        estimator_plausible_3_test = (estimator_plausible_3 != 0u) && !(refuted && protection_phase_x_test_3);
-    } else {
-        const float starts_1_plus_moved_1 = starts_1 + moved_1;
-        float phase_x_choice_17 = starts_1_plus_moved_1;
-        if (pi < starts_1_plus_moved_1) {
-            phase_x_choice_17 = starts_1_plus_moved_1 - two_pi;
-        }
-        float phase_x_choice_18 = phase_x_choice_17;
-        if (phase_x_choice_17 < -pi) {
-            phase_x_choice_18 = phase_x_choice_17 + two_pi;
-        }
-        phase_x = hall_position_three_limit(phase_x_choice_18, pi);
-        const float starts_2_plus_moved_2 = starts_2 + moved_2;
-        float phase_y_choice = starts_2_plus_moved_2;
-        if (pi < starts_2_plus_moved_2) {
-            phase_y_choice = starts_2_plus_moved_2 - two_pi;
-        }
-        float phase_y_choice_2 = phase_y_choice;
-        if (phase_y_choice < -pi) {
-            phase_y_choice_2 = phase_y_choice + two_pi;
-        }
-        phase_y = hall_position_three_limit(phase_y_choice_2, pi);
-        yaw = hall_position_three_limit(starts_3 + moved_3, highest_yaw);
-        const float amplitude_limited = hall_position_three_min(estimator_amplitude + hall_position_three_limit(best_4 +
-            (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
-        amplitude = hall_position_three_max(amplitude_limited, lowest_amplitude);
-        if (fabsf(moved_1) < largest_step_phase) {
-            motions_motion_phase_x = estimator_motion_phase_x + (0.5f * moved_1);
-        } else {
-            motions_motion_phase_x = 0.0f;
-        }
-        if (fabsf(moved_2) < largest_step_phase) {
-            motions_motion_phase_y = estimator_motion_phase_y + (0.5f * moved_2);
-        } else {
-            motions_motion_phase_y = 0.0f;
-        }
-        if (fabsf(moved_3) < largest_step_yaw) {
-            motions_motion_yaw = estimator_motion_yaw + (0.5f * moved_3);
-        } else {
-            motions_motion_yaw = 0.0f;
-        }
-    }
-    const float deviation_phase_x_sum = lower_4_1 - (lower_4_3 * lower_3_1);
-    const float diagonal_1 = inverse_1 + (lower_3_1 * lower_3_1 * inverse_3) +
-        (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
-    const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
+    const bool none_protection_phase_x = hall_position_three_equal(excluded, 0.0f);
+    const float protection_phase_x_sum = (moves_1_1_phase_x * moves_1_1_phase_x * gains_1_phase_x) +
+        (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x);
+    const float protection_phase_x_sum_2 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
+    const float protection_phase_x_sum_3 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
     const float deviation_phase_x = hall_position_three_min(channel_sigma * sqrtf(variances_1),
         largest_deviation_phase);
-    const float deviation_phase_y_sum = lower_4_2 - (lower_4_3 * lower_3_2);
-    const float diagonal_2 = inverse_2 + (lower_3_2 * lower_3_2 * inverse_3) +
-        (deviation_phase_y_sum * deviation_phase_y_sum * diagonal_4);
-    const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
-    const float deviation_phase_y = hall_position_three_min(channel_sigma * sqrtf(variances_2),
-        largest_deviation_phase);
-    const float diagonal_3 = inverse_3 + (lower_4_3 * lower_4_3 * diagonal_4);
-    const float variances_3 = diagonal_3 + added_3_deviation_yaw;
-    const float deviation_yaw = hall_position_three_min(channel_sigma * sqrtf(variances_3), largest_deviation_yaw);
-    const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
-    const float deviation_amplitude = hall_position_three_min(channel_sigma * sqrtf(variances_4),
-        largest_deviation_amplitude);
-    const float chi_square = hall_position_three_min(inverse_channel_variance * cost_chi_square, largest_chi_square);
-    const bool converged = chi_square_sum <= decrease_tolerance;
-    const bool factors_2 = (left_1_1 <= largest_information) && (left_2_2_phase_x <= largest_information) &&
-        (left_3_3_phase_x <= largest_information_yaw) && (left_4_4_phase_x <= largest_information);
-    const bool weak = !factors_2 || (weak_from <= variances_1) || (weak_from <= variances_2) ||
-        (weak_from_yaw <= variances_3) || (weak_from <= variances_4);
-    const bool phases_valid_test = screened && !weak;
-    const bool none_protection_phase_x = hall_position_three_equal(x_excluded, 0.0f);
-    const float protection_phase_x_sum_3 = (moves_1_1_phase_x * moves_1_1_phase_x * gains_1_phase_x) +
-        (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x);
-    const float protection_phase_x_sum_4 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
-    const float protection_phase_x_sum_5 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
     const float protection_phase_y_sum = (minus_moves_1_2 * minus_moves_1_2 * gains_1_phase_x) +
         (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x);
     const float protection_phase_y_sum_2 = (minus_moves_3_2 * minus_moves_3_2 * gains_3) +
         (moves_4_2 * moves_4_2 * gains_4);
     const float protection_phase_y_sum_3 = (minus_moves_5_2 * minus_moves_5_2 * gains_5) +
         (moves_6_2 * moves_6_2 * gain);
+    const float deviation_phase_y = hall_position_three_min(channel_sigma * sqrtf(variances_2),
+        largest_deviation_phase);
     const float protection_yaw_sum = (moves_1_3_phase_x * moves_1_3_phase_x * gains_1_phase_x) +
         (minus_moves_2_3 * minus_moves_2_3 * gains_2_phase_x);
     const float protection_yaw_sum_2 = (moves_3_3 * moves_3_3 * gains_3) +
         (minus_moves_4_3 * minus_moves_4_3 * gains_4);
     const float protection_yaw_sum_3 = (moves_5_3 * moves_5_3 * gains_5) + (minus_moves_6_3 * minus_moves_6_3 * gain);
-    float limit = test_threshold;
+    const float deviation_yaw = hall_position_three_min(channel_sigma * sqrtf(variances_3), largest_deviation_yaw);
+    const float steps_3_phase_x_2 = phase_x_product_10 - (lower_4_3 * steps_4_phase_x_2);
+    const float moved_1 = hall_position_three_limit(best_1 + (phase_x_product_9 - (lower_3_1 * steps_3_phase_x_2) -
+        (lower_4_1 * steps_4_phase_x_2) + added_1_phase_x_2), largest_step_phase);
+    const float moved_2 = hall_position_three_limit(best_2 + (phase_y_product - (lower_3_2 * steps_3_phase_x_2) -
+        (lower_4_2 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
+    const float moved_3 = hall_position_three_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), largest_step_yaw);
+    const float protection_phase_x_sum_4 = (residuals_1_phase_x * residuals_1_phase_x) +
+        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
+        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
+        (residuals_6_phase_x * residuals_6_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
+        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_2) + (gradient_2_phase_x * phase_x_product_4) +
+        (forward_3_phase_x * phase_x_product_3) + (forward_4_phase_x * steps_4_phase_x));
+    const float full_cost = hall_position_three_max(protection_phase_x_sum_4, 0.0f);
+    const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
+    const float protection_phase_x_product_2 = scores_2_phase_x * gains_2_phase_x;
+    const float costs_1 = full_cost -
+        ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
+    const float protection_phase_x_sum_5 = hypothesis_cost + (cancellation * full_cost);
+    const bool passing_1 = (costs_1 <= protection_phase_x_sum_5) || hall_position_three_equal(excluded, 1.0f);
+    const float scores_3_times_gains_3 = scores_3 * gains_3;
+    const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
+    const float costs_2 = full_cost -
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
+    const bool passing_2 = (costs_2 <= protection_phase_x_sum_5) || hall_position_three_equal(excluded, 2.0f);
+    const float scores_5_times_gains_5 = scores_5 * gains_5;
+    const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
+    const float costs_3 = full_cost -
+        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
+    const bool passing_3 = (costs_3 <= protection_phase_x_sum_5) || hall_position_three_equal(excluded, 3.0f);
     float protection_phase_x_choice;
-    float phases_valid_choice = limit_phase;
     float protection_phase_y_choice;
     float level;
-    float phases_valid_choice_2 = limit_yaw;
+    float doubted_choice = limit_phase;
+    float doubted_choice_2 = limit_yaw;
+    float limit = test_threshold;
     if (none_protection_phase_x) {
         protection_phase_x_choice = (undetected *
-            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_sum_3, protection_phase_x_sum_4),
-            protection_phase_x_sum_5))) + (level_sigmas * deviation_phase_x);
+            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_sum, protection_phase_x_sum_2),
+            protection_phase_x_sum_3))) + (level_sigmas * deviation_phase_x);
         protection_phase_y_choice = (undetected *
             sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_y_sum, protection_phase_y_sum_2),
             protection_phase_y_sum_3))) + (level_sigmas * deviation_phase_y);
         level = (undetected * sqrtf(hall_position_three_max(hall_position_three_max(protection_yaw_sum,
             protection_yaw_sum_2), protection_yaw_sum_3))) + (level_sigmas * deviation_yaw);
     } else {
-        limit = hypothesis_threshold;
         const float protection_phase_x_sum_6 = steps_1_phase_x - moved_1;
         const float protection_phase_y_sum_4 = steps_2_phase_x - moved_2;
         const float protection_yaw_sum_4 = steps_3_phase_x - moved_3;
         float apart_protection_phase_x = 0.0f;
-        float added_protection_phase_x = protection_phase_x_sum_3;
+        float added_protection_phase_x = protection_phase_x_sum;
         float apart_protection_phase_y = 0.0f;
         float added_protection_phase_y = protection_phase_y_sum;
         float apart_protection_yaw = 0.0f;
         float added_protection_yaw = protection_yaw_sum;
-        if (plausible_1) {
+        if (passing_1) {
             apart_protection_phase_x = fabsf(protection_phase_x_sum_6 - ((moves_1_1_phase_x *
                 protection_phase_x_product) + (moves_2_1_phase_x * protection_phase_x_product_2)));
             apart_protection_phase_y = fabsf(protection_phase_y_sum_4 -
@@ -1091,10 +1009,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
             added_protection_phase_y = 0.0f;
             added_protection_yaw = 0.0f;
         }
-        if (plausible_2) {
+        if (passing_2) {
             apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6
                 - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product_3))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_4);
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_2);
             apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4
                 - ((moves_4_2 * protection_phase_x_product_3) - (minus_moves_3_2 * scores_3_times_gains_3))));
             added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_2);
@@ -1102,10 +1020,10 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
                 ((moves_3_3 * scores_3_times_gains_3) - (minus_moves_4_3 * protection_phase_x_product_3))));
             added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_2);
         }
-        if (now) {
+        if (passing_3) {
             apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6
                 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * scores_6_phase_x_times_gain))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_5);
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_3);
             apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4
                 - ((moves_6_2 * scores_6_phase_x_times_gain) - (minus_moves_5_2 * scores_5_times_gains_5))));
             added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_3);
@@ -1113,16 +1031,42 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
                 ((moves_5_3 * scores_5_times_gains_5) - (minus_moves_6_3 * scores_6_phase_x_times_gain))));
             added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_3);
         }
-        protection_phase_x_choice = overbound * (apart_protection_phase_x +
-            (level_noise * sqrtf(diagonal_1 + added_protection_phase_x)));
-        phases_valid_choice = excluded_limit_phase;
-        protection_phase_y_choice = overbound * (apart_protection_phase_y +
-            (level_noise * sqrtf(diagonal_2 + added_protection_phase_y)));
-        level = overbound * (apart_protection_yaw + (level_noise * sqrtf(diagonal_3 + added_protection_yaw)));
-        phases_valid_choice_2 = excluded_limit_yaw;
+        protection_phase_x_choice = apart_protection_phase_x +
+            (level_noise * sqrtf(diagonal_1 + added_protection_phase_x));
+        protection_phase_y_choice = apart_protection_phase_y +
+            (level_noise * sqrtf(diagonal_2 + added_protection_phase_y));
+        level = apart_protection_yaw + (level_noise * sqrtf(diagonal_3 + added_protection_yaw));
+        doubted_choice = excluded_limit_phase;
+        doubted_choice_2 = excluded_limit_yaw;
+        limit = hypothesis_threshold;
     }
-    const bool decides = !x_trial;
-    const bool passes_phases_valid = factors_2 && (cost_chi_square <= (channel_variance * limit)) && decides;
+    const bool passes = factors_2 && (cost_chi_square <= (channel_variance * limit));
+    const bool accepted_2 = phases_valid_test && passes;
+    const float starts_1_plus_moved_1 = starts_1 + moved_1;
+    float phase_x_choice_17 = starts_1_plus_moved_1;
+    if (pi < starts_1_plus_moved_1) {
+        phase_x_choice_17 = starts_1_plus_moved_1 - two_pi;
+    }
+    float phase_x_unlimited = phase_x_choice_17;
+    if (phase_x_choice_17 < -pi) {
+        phase_x_unlimited = phase_x_choice_17 + two_pi;
+    }
+    const float phase_x = hall_position_three_limit(phase_x_unlimited, pi);
+    const float starts_2_plus_moved_2 = starts_2 + moved_2;
+    float phase_y_choice = starts_2_plus_moved_2;
+    if (pi < starts_2_plus_moved_2) {
+        phase_y_choice = starts_2_plus_moved_2 - two_pi;
+    }
+    float phase_y_unlimited = phase_y_choice;
+    if (phase_y_choice < -pi) {
+        phase_y_unlimited = phase_y_choice + two_pi;
+    }
+    const float phase_y = hall_position_three_limit(phase_y_unlimited, pi);
+    const float yaw = hall_position_three_limit(starts_3 + moved_3, highest_yaw);
+    const float amplitude_unlimited = hall_position_three_min(amplitude_2 + hall_position_three_limit(best_4 +
+        (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
+    const float amplitude = hall_position_three_max(amplitude_unlimited, lowest_amplitude);
+    const uint32_t doubted_2 = state->doubted;
     const bool detectable = (gains_1_phase_x < largest_gain) && (gains_2_phase_x < largest_gain) &&
         (gains_3 < largest_gain) && (gains_4 < largest_gain) && (gains_5 < largest_gain) && (gain < largest_gain);
     if (!detectable) {
@@ -1133,258 +1077,332 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float protection_phase_x = hall_position_three_min(protection_phase_x_choice, largest_level_phase);
     const float protection_phase_y = hall_position_three_min(protection_phase_y_choice, largest_level_phase);
     const float protection_yaw = hall_position_three_min(level, largest_level_yaw);
-    const bool within = detectable && (protection_phase_x <= phases_valid_choice) &&
-        (protection_phase_y <= phases_valid_choice) && (protection_yaw <= phases_valid_choice_2);
-    const uint32_t estimator_start_number = state->estimator_start_number;
-    const bool tracking = starts <= estimator_start_number;
-    const uint32_t estimator_missed = state->estimator_missed;
-    const bool lost = track_patience <= estimator_missed;
+    const bool within_doubted = detectable && (protection_phase_x <= doubted_choice) &&
+        (protection_phase_y <= doubted_choice) && (protection_yaw <= doubted_choice_2);
+    const bool doubted = !(none_protection_phase_x || x_certain) &&
+        ((doubted_2 != 0u) || ((1u < (hall_position_three_flag(passing_1) + hall_position_three_flag(passing_2) +
+        hall_position_three_flag(passing_3))) && !within_doubted));
+    const uint32_t missed = state->missed;
+    const bool lost = track_patience <= missed;
     const bool phases_valid_test_2 = !lost;
-    const bool phases_valid = converged && phases_valid_test && passes_phases_valid && within && tracking &&
-        phases_valid_test_2;
-    out->yaw = yaw;
-    out->amplitude = amplitude;
-    out->deviation_yaw = deviation_yaw;
-    out->deviation_amplitude = deviation_amplitude;
-    out->protection_yaw = protection_yaw;
-    out->chi_square = chi_square;
-    out->converged = converged ? 1.0f : 0.0f;
-    out->weak = weak ? 1.0f : 0.0f;
-    out->excluded = excluded;
-    const bool uncertain = !(none_protection_phase_x || x_certain);
-    const bool contested = uncertain && (1u < (hall_position_three_flag(plausible_1) +
-        hall_position_three_flag(plausible_2) + hall_position_three_flag(now))) && !within;
-    const bool doubted = x_trial || contested;
-    out->doubted = doubted ? 1.0f : 0.0f;
-    out->tracking = tracking ? 1.0f : 0.0f;
-    const uint32_t metres_counting = state->metres_counting;
-    const bool accepted = phases_valid_test && passes_phases_valid;
-    float X_choice = 0.0f;
-    float Y_choice = 0.0f;
-    float count_x = 0.0f;
-    float count_y = 0.0f;
+    const bool converged = chi_square_sum <= decrease_tolerance;
     float tracked_2_motion_phase_x = 0.0f;
     float tracked_2_motion_phase_y = 0.0f;
     float tracked_2_motion_yaw = 0.0f;
     if (tracking) {
-        /* metres
-         *     valid = phases_valid and |pitch_x_next| <= most_pitches and |pitch_y_next| <= most_pitches
-         *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
-         *         last_x, else pitch_x), end_of_count) if |pitch_x| <= most_pitches and counting, else pitch_x) if
-         *         tracking, else 0; likewise pitch_y_next */
-        static const float end_of_count = 9.0f;                 /* 1; pitches at which counting stays */
-        static const float pitch = 0.0508f;                     /* m; of the magnet matrix */
-        const float metres_pitch_x = state->metres_pitch_x;
-        float X_if_tracking = metres_pitch_x;
-        if ((fabsf(metres_pitch_x) <= most_pitches) && (metres_counting != 0u)) {
-            const float change_x = phase_x - state->metres_last_x;
+        if (accepted_2) {
+            state->phase_x = phase_x;
+            state->phase_y = phase_y;
+            state->yaw = yaw;
+            state->amplitude = amplitude;
+            if (fabsf(moved_1) < largest_step_phase) {
+                tracked_2_motion_phase_x = motion_phase_x + (0.5f * moved_1);
+            }
+            if (fabsf(moved_2) < largest_step_phase) {
+                tracked_2_motion_phase_y = motion_phase_y + (0.5f * moved_2);
+            }
+            if (fabsf(moved_3) < largest_step_yaw) {
+                tracked_2_motion_yaw = motion_yaw + (0.5f * moved_3);
+            }
+        } else {
+            state->phase_x = starts_1;
+            state->phase_y = starts_2;
+            state->yaw = starts_3;
+            tracked_2_motion_phase_x = motion_phase_x;
+            tracked_2_motion_phase_y = motion_phase_y;
+            tracked_2_motion_yaw = motion_yaw;
+        }
+        float best = 0.0f;
+        if (!(full_cost <= test_cost)) {
+            best = (costs_3 < hall_position_three_min(costs_2, costs_1)) ? 3.0f : ((costs_2 < costs_1) ? 2.0f : 1.0f);
+        }
+        state->excluded = (uint32_t)hall_position_three_max(best, 0.0f);
+        state->doubted = hall_position_three_flag(doubted);
+        state->start_number = starts;
+        state->candidates = 0u;
+        state->missed = (accepted_2 && phases_valid_test_2) ? 0u : ((lost) ? missed : (missed + 1u));
+        state->age = 0u;
+    } else {
+        const uint32_t age = state->age;
+        const bool ends = converged || (last_age <= age);
+        const bool start_number_at_least_23 = last_start <= start_number;
+        const bool last = ends && start_number_at_least_23;
+        const uint32_t candidates = state->candidates;
+        const bool solves = converged && accepted_2 && none_protection_phase_x;
+        const bool first = candidates == 0u;
+        const float candidate_phase_x = state->candidate_phase_x;
+        const float apart_phase_x = fabsf(phase_x - candidate_phase_x);
+        const float candidate_phase_y = state->candidate_phase_y;
+        const float apart_phase_y = fabsf(phase_y - candidate_phase_y);
+        const float candidate_yaw = state->candidate_yaw;
+        const float phase_x_sum_7 = 2.0f - ((first || ((hall_position_three_min(apart_phase_x, fabsf(apart_phase_x -
+            two_pi)) <= agreement_phase) && (hall_position_three_min(apart_phase_y, fabsf(apart_phase_y - two_pi)) <=
+            agreement_phase) && (fabsf(yaw - candidate_yaw) <= agreement_yaw))) ? 1.0f : 0.0f);
+        const float count = hall_position_three_max((float)candidates, (solves ? 1.0f : 0.0f) * phase_x_sum_7);
+        const bool unique = last && hall_position_three_equal(count, 1.0f);
+        float candidate_phase_x_2 = phase_x;
+        float candidate_phase_y_2 = phase_y;
+        float candidate_yaw_2 = yaw;
+        float candidate_amplitude = amplitude;
+        if (first && solves) {
+            state->candidate_phase_x = phase_x;
+            state->candidate_phase_y = phase_y;
+            state->candidate_yaw = yaw;
+            state->candidate_amplitude = amplitude;
+        } else {
+            candidate_phase_x_2 = candidate_phase_x;
+            candidate_phase_y_2 = candidate_phase_y;
+            candidate_yaw_2 = candidate_yaw;
+            candidate_amplitude = state->candidate_amplitude;
+        }
+        float phase_x_if_not_unique = phase_x;
+        float phase_y_if_not_unique = phase_y;
+        float yaw_if_not_unique = yaw;
+        float amplitude_if_not_unique = 1.0f;
+        if (ends) {
+            const float phase_x_sum_8 = state->begin_phase_x + increment_phase_x;
+            if (pi < phase_x_sum_8) {
+                const float phase_x_sum_8_minus_two_pi = phase_x_sum_8 - two_pi;
+                phase_x_if_not_unique = phase_x_sum_8_minus_two_pi;
+                state->begin_phase_x = phase_x_sum_8_minus_two_pi;
+            } else {
+                phase_x_if_not_unique = phase_x_sum_8;
+                state->begin_phase_x = phase_x_sum_8;
+            }
+            const float phase_y_sum = state->begin_phase_y + increment_phase_y;
+            if (pi < phase_y_sum) {
+                const float phase_y_sum_minus_two_pi = phase_y_sum - two_pi;
+                phase_y_if_not_unique = phase_y_sum_minus_two_pi;
+                state->begin_phase_y = phase_y_sum_minus_two_pi;
+            } else {
+                phase_y_if_not_unique = phase_y_sum;
+                state->begin_phase_y = phase_y_sum;
+            }
+            const float begin_yaw_plus_increment_yaw = state->begin_yaw + increment_yaw;
+            if (highest_yaw < begin_yaw_plus_increment_yaw) {
+                const float yaw_sum = begin_yaw_plus_increment_yaw - width_yaw;
+                yaw_if_not_unique = yaw_sum;
+                state->begin_yaw = yaw_sum;
+            } else {
+                yaw_if_not_unique = begin_yaw_plus_increment_yaw;
+                state->begin_yaw = begin_yaw_plus_increment_yaw;
+            }
+            state->age = 0u;
+        } else {
+            amplitude_if_not_unique = amplitude;
+            const uint32_t age_sum = age + 1u;
+            state->age = (uint32_t)hall_position_three_min((float)age_sum, 3.0f);
+        }
+        if (unique) {
+            state->phase_x = candidate_phase_x_2;
+            state->phase_y = candidate_phase_y_2;
+            state->yaw = candidate_yaw_2;
+            state->amplitude = candidate_amplitude;
+            state->start_number = starts;
+        } else {
+            state->phase_x = phase_x_if_not_unique;
+            state->phase_y = phase_y_if_not_unique;
+            state->yaw = yaw_if_not_unique;
+            state->amplitude = amplitude_if_not_unique;
+            state->start_number = (last) ? 0u :
+                ((start_number_at_least_23) ? last_start : (start_number + hall_position_three_flag(ends)));
+        }
+        state->excluded = 0u;
+        state->doubted = 0u;
+        state->candidates = (uint32_t)((!last || unique) ? count : 0.0f);
+        state->missed = 0u;
+    }
+    state->motion_phase_x = hall_position_three_limit(tracked_2_motion_phase_x, largest_motion_phase);
+    state->motion_phase_y = hall_position_three_limit(tracked_2_motion_phase_y, largest_motion_phase);
+    state->motion_yaw = hall_position_three_limit(tracked_2_motion_yaw, largest_motion_yaw);
+    if (diagnostics != NULL) {
+        diagnostics->deviation_phase_x = deviation_phase_x;
+        diagnostics->deviation_phase_y = deviation_phase_y;
+        diagnostics->phase_x = phase_x;
+        diagnostics->phase_y = phase_y;
+        diagnostics->protection_phase_x = protection_phase_x;
+        diagnostics->protection_phase_y = protection_phase_y;
+        diagnostics->phases_valid = (converged && phases_valid_test && passes && within_doubted && !doubted &&
+            tracking && phases_valid_test_2) ? 1.0f : 0.0f;
+        diagnostics->saturated |= (fabsf(phase_x) >= pi) ? 0x00000001u : 0u;
+        diagnostics->saturated |= (fabsf(phase_y) >= pi) ? 0x00000002u : 0u;
+        diagnostics->saturated |= (fabsf(yaw) >= highest_yaw) ? 0x00000004u : 0u;
+    }
+    return (hall_position_three_estimator_t){.excluded = excluded, .phase_x = phase_x, .phase_y = phase_y, .yaw = yaw,
+        .amplitude = amplitude, .deviation_phase_x = deviation_phase_x, .deviation_phase_y = deviation_phase_y,
+        .deviation_yaw = deviation_yaw, .deviation_amplitude = hall_position_three_min(channel_sigma *
+        sqrtf(variances_4), largest_deviation_amplitude), .chi_square =
+        hall_position_three_min(inverse_channel_variance * cost_chi_square, largest_chi_square), .protection_phase_x =
+        protection_phase_x, .protection_phase_y = protection_phase_y, .protection_yaw = protection_yaw, .converged =
+        converged, .weak = weak, .doubted = doubted, .tracking = tracking, .lost = lost, .phases_valid = converged &&
+        phases_valid_test && passes && within_doubted && !doubted && tracking && phases_valid_test_2};
+}
+
+typedef struct {
+    float X;
+    float Y;
+    float deviation_X;
+    float deviation_Y;
+    float protection_X;
+    float protection_Y;
+    bool valid;
+} hall_position_three_metres_t;
+
+/* metres
+ *     valid = phases_valid and |pitch_x_next| <= most_pitches and |pitch_y_next| <= most_pitches
+ *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
+ *         last_x, else pitch_x), end_of_count) if |pitch_x| <= most_pitches and counting, else pitch_x) if
+ *         tracking, else 0; likewise pitch_y_next */
+HALL_POSITION_THREE_INLINE hall_position_three_metres_t hall_position_three_metres(hall_position_three_metres_state_t
+    *state, float phase_x, bool tracking, float phase_y, float deviation_phase_x, float deviation_phase_y,
+    float protection_phase_x, float protection_phase_y, bool phases_valid)
+{
+    static const float length_per_phase = 0.008085071f;         /* m/rad; pitch / (2 pi) */
+    static const float pitch = 0.0508f;                         /* m; of the magnet matrix */
+    static const float most_pitches = 8.0f;                     /* 1; counted to either side */
+    static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float end_of_count = 9.0f;                     /* 1; pitches at which counting stays */
+
+    const float last_x = state->last_x;
+    state->last_x = phase_x;
+    const float last_y = state->last_y;
+    state->last_y = phase_y;
+    const uint32_t counting = state->counting;
+    float X_choice = 0.0f;
+    float Y_choice = 0.0f;
+    float count_x = 0.0f;
+    float count_y = 0.0f;
+    if (tracking) {
+        const float pitch_x = state->pitch_x;
+        float X_if_tracking = pitch_x;
+        if ((fabsf(pitch_x) <= most_pitches) && (counting != 0u)) {
+            const float change_x = phase_x - last_x;
             float turned_x;
             if (change_x < -pi) {
-                turned_x = metres_pitch_x + 1.0f;
+                turned_x = pitch_x + 1.0f;
             } else if (pi < change_x) {
-                turned_x = metres_pitch_x - 1.0f;
+                turned_x = pitch_x - 1.0f;
             } else {
-                turned_x = metres_pitch_x;
+                turned_x = pitch_x;
             }
             X_if_tracking = hall_position_three_limit(turned_x, end_of_count);
         }
         X_choice = pitch * X_if_tracking;
-        const float metres_pitch_y = state->metres_pitch_y;
-        float Y_if_tracking = metres_pitch_y;
-        if ((fabsf(metres_pitch_y) <= most_pitches) && (metres_counting != 0u)) {
-            const float change_y = phase_y - state->metres_last_y;
+        const float pitch_y = state->pitch_y;
+        float Y_if_tracking = pitch_y;
+        if ((fabsf(pitch_y) <= most_pitches) && (counting != 0u)) {
+            const float change_y = phase_y - last_y;
             float turned_y;
             if (change_y < -pi) {
-                turned_y = metres_pitch_y + 1.0f;
+                turned_y = pitch_y + 1.0f;
             } else if (pi < change_y) {
-                turned_y = metres_pitch_y - 1.0f;
+                turned_y = pitch_y - 1.0f;
             } else {
-                turned_y = metres_pitch_y;
+                turned_y = pitch_y;
             }
             Y_if_tracking = hall_position_three_limit(turned_y, end_of_count);
         }
         Y_choice = pitch * Y_if_tracking;
         count_x = X_if_tracking;
         count_y = Y_if_tracking;
-
-        /* estimator: weighted least squares (continued) */
-        if (accepted) {
-            state->estimator_phase_x = phase_x;
-            state->estimator_phase_y = phase_y;
-            state->estimator_yaw = yaw;
-            state->estimator_amplitude = amplitude;
-            tracked_2_motion_phase_x = motions_motion_phase_x;
-            tracked_2_motion_phase_y = motions_motion_phase_y;
-            tracked_2_motion_yaw = motions_motion_yaw;
-        } else {
-            state->estimator_phase_x = starts_1;
-            state->estimator_phase_y = starts_2;
-            state->estimator_yaw = starts_3;
-            tracked_2_motion_phase_x = estimator_motion_phase_x;
-            tracked_2_motion_phase_y = estimator_motion_phase_y;
-            tracked_2_motion_yaw = estimator_motion_yaw;
-        }
-        const float excluded_2 = hall_position_three_max(estimator_excluded_choice, 0.0f);
-        state->estimator_excluded = (uint32_t)excluded_2;
-        const bool keeps = uncertain && (0.0f < excluded_2);
-        state->estimator_plausible_1 = hall_position_three_flag(keeps && estimator_plausible_1_test);
-        state->estimator_plausible_2 = hall_position_three_flag(keeps && estimator_plausible_2_test);
-        state->estimator_plausible_3 = hall_position_three_flag(keeps && estimator_plausible_3_test);
-        if (keeps && contested && decides) {
-            const float failing_2 = ((estimator_plausible_2 != 0u) && !passing_2) ? costs_2 : 0.0f;
-            const float failing_1 = ((estimator_plausible_1 != 0u) && !passing_1) ? costs_1 : 0.0f;
-            if (hall_position_three_max(failing_2, failing_1) <
-                    (((estimator_plausible_3 != 0u) && !passing_3) ? costs_3 : 0.0f)) {
-                state->estimator_competing = 3u;
-            } else {
-                state->estimator_competing = (uint32_t)((failing_1 < failing_2) ? 2.0f :
-                    ((0.0f < failing_1) ? 1.0f : 0.0f));
-            }
-        } else {
-            state->estimator_competing = 0u;
-        }
-        state->estimator_start_number = starts;
-        state->estimator_candidates = 0u;
-        state->estimator_missed = (accepted && phases_valid_test_2) ? 0u :
-            ((lost) ? estimator_missed : (estimator_missed + 1u));
-        state->estimator_age = 0u;
-    } else {
-        const uint32_t estimator_age = state->estimator_age;
-        const bool ends = converged || (last_age <= estimator_age);
-        const bool start_number_at_least_23 = last_start <= estimator_start_number;
-        const bool last = ends && start_number_at_least_23;
-        const uint32_t estimator_candidates = state->estimator_candidates;
-        const bool solves = converged && accepted && none_protection_phase_x;
-        const bool first = estimator_candidates == 0u;
-        const float estimator_candidate_phase_x = state->estimator_candidate_phase_x;
-        const float apart_phase_x = fabsf(phase_x - estimator_candidate_phase_x);
-        const float estimator_candidate_phase_y = state->estimator_candidate_phase_y;
-        const float apart_phase_y = fabsf(phase_y - estimator_candidate_phase_y);
-        const float estimator_candidate_yaw = state->estimator_candidate_yaw;
-        const float estimator_phase_x_sum = 2.0f -
-            ((first || ((hall_position_three_min(apart_phase_x, fabsf(apart_phase_x - two_pi)) <= agreement_phase) &&
-            (hall_position_three_min(apart_phase_y, fabsf(apart_phase_y - two_pi)) <= agreement_phase) &&
-            (fabsf(yaw - estimator_candidate_yaw) <= agreement_yaw))) ? 1.0f : 0.0f);
-        const float count_2 = hall_position_three_max((float)estimator_candidates,
-            (solves ? 1.0f : 0.0f) * estimator_phase_x_sum);
-        const bool unique = last && hall_position_three_equal(count_2, 1.0f);
-        float candidate_phase_x = phase_x;
-        float candidate_phase_y = phase_y;
-        float candidate_yaw = yaw;
-        float candidate_amplitude = amplitude;
-        if (first && solves) {
-            state->estimator_candidate_phase_x = phase_x;
-            state->estimator_candidate_phase_y = phase_y;
-            state->estimator_candidate_yaw = yaw;
-            state->estimator_candidate_amplitude = amplitude;
-        } else {
-            candidate_phase_x = estimator_candidate_phase_x;
-            candidate_phase_y = estimator_candidate_phase_y;
-            candidate_yaw = estimator_candidate_yaw;
-            candidate_amplitude = state->estimator_candidate_amplitude;
-        }
-        float estimator_phase_x_choice = phase_x;
-        float estimator_phase_y_choice = phase_y;
-        float estimator_yaw_if_not_unique = yaw;
-        float estimator_amplitude_choice = 1.0f;
-        if (ends) {
-            const float estimator_phase_x_sum_2 = state->estimator_begin_phase_x + increment_phase_x;
-            if (pi < estimator_phase_x_sum_2) {
-                const float estimator_phase_x_sum_3 = estimator_phase_x_sum_2 - two_pi;
-                estimator_phase_x_choice = estimator_phase_x_sum_3;
-                state->estimator_begin_phase_x = estimator_phase_x_sum_3;
-            } else {
-                estimator_phase_x_choice = estimator_phase_x_sum_2;
-                state->estimator_begin_phase_x = estimator_phase_x_sum_2;
-            }
-            const float estimator_phase_y_sum = state->estimator_begin_phase_y + increment_phase_y;
-            if (pi < estimator_phase_y_sum) {
-                const float estimator_phase_y_sum_2 = estimator_phase_y_sum - two_pi;
-                estimator_phase_y_choice = estimator_phase_y_sum_2;
-                state->estimator_begin_phase_y = estimator_phase_y_sum_2;
-            } else {
-                estimator_phase_y_choice = estimator_phase_y_sum;
-                state->estimator_begin_phase_y = estimator_phase_y_sum;
-            }
-            const float begin_yaw_plus_increment_yaw = state->estimator_begin_yaw + increment_yaw;
-            if (highest_yaw < begin_yaw_plus_increment_yaw) {
-                const float estimator_yaw_sum = begin_yaw_plus_increment_yaw - width_yaw;
-                estimator_yaw_if_not_unique = estimator_yaw_sum;
-                state->estimator_begin_yaw = estimator_yaw_sum;
-            } else {
-                estimator_yaw_if_not_unique = begin_yaw_plus_increment_yaw;
-                state->estimator_begin_yaw = begin_yaw_plus_increment_yaw;
-            }
-            state->estimator_age = 0u;
-        } else {
-            estimator_amplitude_choice = amplitude;
-            const uint32_t estimator_age_sum = estimator_age + 1u;
-            state->estimator_age = (uint32_t)hall_position_three_min((float)estimator_age_sum, 3.0f);
-        }
-        if (unique) {
-            state->estimator_phase_x = candidate_phase_x;
-            state->estimator_phase_y = candidate_phase_y;
-            state->estimator_yaw = candidate_yaw;
-            state->estimator_amplitude = candidate_amplitude;
-            state->estimator_start_number = starts;
-        } else {
-            state->estimator_phase_x = estimator_phase_x_choice;
-            state->estimator_phase_y = estimator_phase_y_choice;
-            state->estimator_yaw = estimator_yaw_if_not_unique;
-            state->estimator_amplitude = estimator_amplitude_choice;
-            state->estimator_start_number = (last) ? 0u :
-                ((start_number_at_least_23) ? last_start : (estimator_start_number + hall_position_three_flag(ends)));
-        }
-        state->estimator_excluded = 0u;
-        state->estimator_plausible_1 = 0u;
-        state->estimator_plausible_2 = 0u;
-        state->estimator_plausible_3 = 0u;
-        state->estimator_competing = 0u;
-        state->estimator_candidates = (uint32_t)((!last || unique) ? count_2 : 0.0f);
-        state->estimator_missed = 0u;
     }
-    state->estimator_motion_phase_x = hall_position_three_limit(tracked_2_motion_phase_x, largest_motion_phase);
-    state->estimator_motion_phase_y = hall_position_three_limit(tracked_2_motion_phase_y, largest_motion_phase);
-    state->estimator_motion_yaw = hall_position_three_limit(tracked_2_motion_yaw, largest_motion_yaw);
-    out->lost = lost ? 1.0f : 0.0f;
-
-    /* metres (continued) */
-    static const float length_per_phase = 0.008085071f;         /* m/rad; pitch / (2 pi) */
-    const float X = (length_per_phase * phase_x) + X_choice;
-    out->X = X;
-    const float Y = (length_per_phase * phase_y) + Y_choice;
-    out->Y = Y;
-    const float deviation_X = length_per_phase * deviation_phase_x;
-    out->deviation_X = deviation_X;
-    const float deviation_Y = length_per_phase * deviation_phase_y;
-    out->deviation_Y = deviation_Y;
-    const float protection_X = length_per_phase * protection_phase_x;
-    out->protection_X = protection_X;
-    const float protection_Y = length_per_phase * protection_phase_y;
-    out->protection_Y = protection_Y;
-    const bool valid = phases_valid && (fabsf(count_x) <= most_pitches) && (fabsf(count_y) <= most_pitches);
-    state->metres_last_x = phase_x;
-    state->metres_last_y = phase_y;
-    state->metres_pitch_x = count_x;
-    state->metres_pitch_y = count_y;
-    state->metres_counting = hall_position_three_flag(tracking);
-    out->valid = valid ? 1.0f : 0.0f;
-#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->screened = screened ? 1.0f : 0.0f;
-        diagnostics->rejected = rejected;
-        diagnostics->phase_x = phase_x;
-        diagnostics->phase_y = phase_y;
-        diagnostics->deviation_phase_x = deviation_phase_x;
-        diagnostics->deviation_phase_y = deviation_phase_y;
-        diagnostics->protection_phase_x = protection_phase_x;
-        diagnostics->protection_phase_y = protection_phase_y;
-        diagnostics->phases_valid = phases_valid ? 1.0f : 0.0f;
-        diagnostics->faults = faults;
-        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
-            diagnostics->latch_cause = faults;
-        }
-    }
-#endif
-    return faults;
+    state->pitch_x = count_x;
+    state->pitch_y = count_y;
+    state->counting = hall_position_three_flag(tracking);
+    return (hall_position_three_metres_t){.X = (length_per_phase * phase_x) + X_choice,
+        .Y = (length_per_phase * phase_y) + Y_choice, .deviation_X = length_per_phase * deviation_phase_x,
+        .deviation_Y = length_per_phase * deviation_phase_y, .protection_X = length_per_phase * protection_phase_x,
+        .protection_Y = length_per_phase * protection_phase_y, .valid = phases_valid &&
+        (fabsf(count_x) <= most_pitches) && (fabsf(count_y) <= most_pitches)};
 }
+
+/* Each input in its range, else what is held or refused, with its bit of the fault word. */
+HALL_POSITION_THREE_INLINE hall_position_three_input_t hall_position_three_guard_inputs(hall_position_three_state_t
+    *state, const hall_position_three_input_t *in, uint32_t *faults)
+{
+    hall_position_three_input_t accepted = *in;
+    accepted.V_ax = hall_position_three_hold_within(in->V_ax, 5.0f, &state->guard.last_V_ax, 0x00000001u, faults);
+    accepted.V_ay = hall_position_three_hold_within(in->V_ay, 5.0f, &state->guard.last_V_ay, 0x00000002u, faults);
+    accepted.V_bx = hall_position_three_hold_within(in->V_bx, 5.0f, &state->guard.last_V_bx, 0x00000004u, faults);
+    accepted.V_by = hall_position_three_hold_within(in->V_by, 5.0f, &state->guard.last_V_by, 0x00000008u, faults);
+    accepted.V_cx = hall_position_three_hold_within(in->V_cx, 5.0f, &state->guard.last_V_cx, 0x00000010u, faults);
+    accepted.V_cy = hall_position_three_hold_within(in->V_cy, 5.0f, &state->guard.last_V_cy, 0x00000020u, faults);
+    return accepted;
+}
+
+void hall_position_three_init(hall_position_three_state_t *state)
+{
+    /* A member that is not named is 0. */
+    *state = (hall_position_three_state_t){
+        .guard = {.left = 5u},
+        .estimator = {.amplitude = 1.0f, .candidate_amplitude = 1.0f},
+    };
+}
+
+HALL_POSITION_THREE_INLINE uint32_t hall_position_three_body(hall_position_three_state_t *state, const
+    hall_position_three_input_t *in, hall_position_three_output_t *out, hall_position_three_diagnostics_t *diagnostics)
+{
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+    uint32_t faults = 0u;
+    const hall_position_three_input_t accepted = hall_position_three_guard_inputs(state, in, &faults);
+    const uint32_t guard_latched = state->guard.latched;
+    const hall_position_three_guard_t guard = hall_position_three_guard(&state->guard, faults, guard_latched);
+    const hall_position_three_screen_t screen = hall_position_three_screen(&state->screen, guard.fault_V_ax,
+        guard.fault_V_ay, accepted.V_ax, accepted.V_ay, guard.fault_V_bx, guard.fault_V_by, accepted.V_bx,
+        accepted.V_by, guard.fault_V_cx, guard.fault_V_cy, accepted.V_cx, accepted.V_cy, diagnostics);
+    uint32_t fault_word = faults;
+    if (guard.latched != 0u) {
+        state->guard.latched = 1u;
+        fault_word = faults | 0x80000000u;
+    }
+    const hall_position_three_estimator_t estimator = hall_position_three_estimator(&state->estimator, accepted.V_ax,
+        accepted.V_ay, accepted.V_bx, accepted.V_by, accepted.V_cx, accepted.V_cy, screen.rejected, screen.screened,
+        diagnostics);
+    out->yaw = estimator.yaw;
+    out->amplitude = estimator.amplitude;
+    out->deviation_yaw = estimator.deviation_yaw;
+    out->deviation_amplitude = estimator.deviation_amplitude;
+    out->chi_square = estimator.chi_square;
+    out->converged = estimator.converged ? 1.0f : 0.0f;
+    out->weak = estimator.weak ? 1.0f : 0.0f;
+    out->protection_yaw = estimator.protection_yaw;
+    out->excluded = estimator.excluded;
+    out->doubted = estimator.doubted ? 1.0f : 0.0f;
+    const hall_position_three_metres_t metres = hall_position_three_metres(&state->metres, estimator.phase_x,
+        estimator.tracking, estimator.phase_y, estimator.deviation_phase_x, estimator.deviation_phase_y,
+        estimator.protection_phase_x, estimator.protection_phase_y, estimator.phases_valid);
+    out->tracking = estimator.tracking ? 1.0f : 0.0f;
+    out->lost = estimator.lost ? 1.0f : 0.0f;
+    out->X = metres.X;
+    out->Y = metres.Y;
+    out->deviation_X = metres.deviation_X;
+    out->deviation_Y = metres.deviation_Y;
+    out->protection_X = metres.protection_X;
+    out->protection_Y = metres.protection_Y;
+    out->valid = metres.valid ? 1.0f : 0.0f;
+
+    if (diagnostics != NULL) {
+        diagnostics->faults = fault_word;
+        if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = fault_word;
+        }
+    }
+    return fault_word;
+}
+
+uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
+    hall_position_three_output_t *out)
+{
+    return hall_position_three_body(state, in, out, NULL);
+}
+
+#if defined(HALL_POSITION_THREE_DIAGNOSTICS)
+uint32_t hall_position_three_step_diagnosed(hall_position_three_state_t *state, const hall_position_three_input_t *in,
+    hall_position_three_output_t *out, hall_position_three_diagnostics_t *diagnostics)
+{
+    return hall_position_three_body(state, in, out, diagnostics);
+}
+#endif

@@ -58,6 +58,38 @@ extern "C" {
 #endif
 
 typedef struct {
+    float sum;                          /* m, -0.51 .. 0.51: sum of the errors */
+    float p1;                           /* m, -0.014 .. 0.014: internal model of 62.83 rad/s */
+    float q1;                           /* m, -0.41 .. 0.41: internal model of 62.83 rad/s */
+    float p2;                           /* m, -0.073 .. 0.073: internal model of 314.2 rad/s */
+    float q2;                           /* m, -0.48 .. 0.48: internal model of 314.2 rad/s */
+    float x_predicted;                  /* m, -0.0024 .. 0.0024: estimate of the next sample */
+    float vx_predicted;                 /* m/s, -2.8 .. 2.8: estimate of the next sample */
+    float i2_late1_predicted;           /* A, -2.3 .. 2.3: limited command that acts next */
+    uint32_t started;                   /* 1, 0 .. 1: the first sample is over */
+} levitator_2dof_servo_x_state_t;
+
+typedef struct {
+    float sum;                          /* m, -0.34 .. 0.34: sum of the errors */
+    float p1;                           /* m, -0.0096 .. 0.0096: internal model of 62.83 rad/s */
+    float q1;                           /* m, -0.26 .. 0.26: internal model of 62.83 rad/s */
+    float z_predicted;                  /* m, -0.0014 .. 0.0014: estimate of the next sample */
+    float vz_predicted;                 /* m/s, -1.3 .. 1.3: estimate of the next sample */
+    float w_z_late1_predicted;          /* m/s^2, -57 .. 57: limited command that acts next */
+    uint32_t started;                   /* 1, 0 .. 1: the first sample is over */
+} levitator_2dof_servo_z_state_t;
+
+typedef struct {
+    float last_z;                       /* m, -0.0007 .. 0.0007: last good value */
+    float last_x;                       /* m, -0.0011 .. 0.0011: last good value */
+    float last_z_ref;                   /* m, -0.0005 .. 0.0005: last good value */
+    float last_x_ref;                   /* m, -0.0008 .. 0.0008: last good value */
+    uint32_t left;                      /* 1, 1 .. 4: samples with a bad measurement until it latches */
+    uint32_t latched;                   /* 1, 0 .. 1: latched until init */
+    uint32_t ready;                     /* 1, 0 .. 1: every measurement was good at once */
+} levitator_2dof_guard_state_t;
+
+typedef struct {
     float z;                            /* m, -0.0007 .. 0.0007: position along z */
     float x;                            /* m, -0.0011 .. 0.0011: position along x */
     float z_ref;                        /* m, -0.0005 .. 0.0005: set-point of z */
@@ -70,29 +102,9 @@ typedef struct {
 } levitator_2dof_output_t;
 
 typedef struct {
-    float guard_last_z;                 /* m, -0.0007 .. 0.0007: last good value */
-    float guard_last_x;                 /* m, -0.0011 .. 0.0011: last good value */
-    float guard_last_z_ref;             /* m, -0.0005 .. 0.0005: last good value */
-    float guard_last_x_ref;             /* m, -0.0008 .. 0.0008: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 4: samples with a bad measurement until it latches */
-    uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
-    uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    float servo_z_sum;                  /* m, -0.34 .. 0.34: sum of the errors */
-    float servo_z_p1;                   /* m, -0.0096 .. 0.0096: internal model of 62.83 rad/s */
-    float servo_z_q1;                   /* m, -0.26 .. 0.26: internal model of 62.83 rad/s */
-    float servo_z_z_predicted;          /* m, -0.0014 .. 0.0014: estimate of the next sample */
-    float servo_z_vz_predicted;         /* m/s, -1.3 .. 1.3: estimate of the next sample */
-    float servo_z_w_z_late1_predicted;  /* m/s^2, -57 .. 57: limited command that acts next */
-    uint32_t servo_z_started;           /* 1, 0 .. 1: the first sample is over */
-    float servo_x_sum;                  /* m, -0.51 .. 0.51: sum of the errors */
-    float servo_x_p1;                   /* m, -0.014 .. 0.014: internal model of 62.83 rad/s */
-    float servo_x_q1;                   /* m, -0.41 .. 0.41: internal model of 62.83 rad/s */
-    float servo_x_p2;                   /* m, -0.073 .. 0.073: internal model of 314.2 rad/s */
-    float servo_x_q2;                   /* m, -0.48 .. 0.48: internal model of 314.2 rad/s */
-    float servo_x_x_predicted;          /* m, -0.0024 .. 0.0024: estimate of the next sample */
-    float servo_x_vx_predicted;         /* m/s, -2.8 .. 2.8: estimate of the next sample */
-    float servo_x_i2_late1_predicted;   /* A, -2.3 .. 2.3: limited command that acts next */
-    uint32_t servo_x_started;           /* 1, 0 .. 1: the first sample is over */
+    levitator_2dof_guard_state_t guard;
+    levitator_2dof_servo_z_state_t servo_z;
+    levitator_2dof_servo_x_state_t servo_x;
     float safe_output_last_i1;          /* A, -3 .. 3: last output */
     float safe_output_last_i2;          /* A, -2 .. 2: last output */
 } levitator_2dof_state_t;
@@ -122,7 +134,6 @@ void levitator_2dof_init(levitator_2dof_state_t *state);
 uint32_t levitator_2dof_step(levitator_2dof_state_t *state, const levitator_2dof_input_t *in,
     levitator_2dof_output_t *out);
 
-#if defined(LEVITATOR_2DOF_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
  * some. Set the struct to zero when you call init. Bits of `saturated`: 0 i1_computed, 1 i2_computed. */
 typedef struct {
@@ -141,6 +152,7 @@ typedef struct {
     uint32_t saturated;                 /* signals at their limits in the last step */
 } levitator_2dof_diagnostics_t;
 
+#if defined(LEVITATOR_2DOF_DIAGNOSTICS)
 /* The step; `diagnostics` may be null. */
 uint32_t levitator_2dof_step_diagnosed(levitator_2dof_state_t *state, const levitator_2dof_input_t *in,
     levitator_2dof_output_t *out, levitator_2dof_diagnostics_t *diagnostics);

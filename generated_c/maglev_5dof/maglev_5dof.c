@@ -3,9 +3,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
 #include <stddef.h>
-#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -127,6 +125,259 @@ static inline float half_a_over_h2_2_polynomial(float t)
 }
 
 typedef struct {
+    float y1_expected;
+    float y2_expected;
+    float y3_expected;
+    float y4_expected;
+} maglev_5dof_gap_prediction_t;
+
+/* gap_prediction: gaps of the predicted pose, F(5)
+ *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+MAGLEV_5DOF_INLINE maglev_5dof_gap_prediction_t maglev_5dof_gap_prediction(float y_expected, float phi_expected,
+    float theta_expected, maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const float r = 0.397f;                              /* m; Table I */
+
+    const float r_phi = r * phi_expected;
+    const float r_theta = r * theta_expected;
+    if (diagnostics != NULL) {
+        diagnostics->y1_expected = y_expected - r_phi;
+        diagnostics->y2_expected = y_expected + r_theta;
+        diagnostics->y3_expected = y_expected + r_phi;
+        diagnostics->y4_expected = y_expected - r_theta;
+    }
+    return (maglev_5dof_gap_prediction_t){.y1_expected = y_expected - r_phi, .y2_expected = y_expected + r_theta,
+        .y3_expected = y_expected + r_phi, .y4_expected = y_expected - r_theta};
+}
+
+typedef struct {
+    bool judging;
+    bool tolerated;
+} maglev_5dof_guard_output_t;
+
+/* guard: range acceptance, hold, latch
+ *     enough = sufficient if ready is set, else complete
+ *     final = left <= good_per_bad
+ *     latched = 1 if landed, else (guard_latched if enough is set, else (1 if final, else guard_latched))
+ *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if final,
+ *         else left - good_per_bad) */
+MAGLEV_5DOF_INLINE maglev_5dof_guard_output_t maglev_5dof_guard_output(const maglev_5dof_guard_state_t *state,
+    uint32_t latched, float missed_calls)
+{
+    const uint32_t ready = state->ready;
+    return (maglev_5dof_guard_output_t){.judging = (ready != 0u) && (latched == 0u),
+        .tolerated = (0.0f <= missed_calls) && (missed_calls <= 40.0f)};
+}
+
+typedef struct {
+    uint32_t still_y1_next;
+    uint32_t still_y2_next;
+    uint32_t still_y3_next;
+    uint32_t still_y4_next;
+    bool sound;
+    bool same_y1;
+    bool same_y2;
+    bool same_y3;
+    bool same_y4;
+} maglev_5dof_redundancy_output_t;
+
+/* redundancy: parity, innovations, frozen codes
+ *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
+ *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
+ *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
+ *         score_y3, score_y4
+ *     suspect_y1 = 0 if calm, else ((0 < undecided_0 if agrees, else 0 < isolated_y1 + waited) if whole,
+ *         else 0 < excluded_y1 + doubted); likewise suspect_y2, suspect_y3, suspect_y4
+ *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
+ *         likewise suspect_z
+ *     degraded = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else guard_ready
+ *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
+ *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
+ *     excluded_y1_next = excluded_y1 if calm, else ((excluded_y1 if agrees, else left_out_now_y1) if
+ *         whole, else excluded_y1 and not readmitted_y1); likewise excluded_y2_next, excluded_y3_next,
+ *         excluded_y4_next
+ *     contradictions_0_next = 0 if calm, else ((0 if agrees, else (contradictions_0 if most_contradictions
+ *         <= contradictions_0, else contradictions_0 + 1)) if whole, else 0) */
+MAGLEV_5DOF_INLINE maglev_5dof_redundancy_output_t
+    maglev_5dof_redundancy_output(const maglev_5dof_redundancy_state_t *state, uint32_t ready, bool complete,
+    float y1_accepted, float y2_accepted, float y3_accepted, float y4_accepted, maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
+
+    const uint32_t degraded = state->degraded;
+    const bool same_y1 = maglev_5dof_equal(y1_accepted, state->code_y1);
+    uint32_t still_y1_next = 0u;
+    if (same_y1) {
+        const uint32_t still_y1 = state->still_y1;
+        still_y1_next = (still_samples <= still_y1) ? still_y1 : (still_y1 + 1u);
+    }
+    const bool same_y2 = maglev_5dof_equal(y2_accepted, state->code_y2);
+    uint32_t still_y2_next = 0u;
+    if (same_y2) {
+        const uint32_t still_y2 = state->still_y2;
+        still_y2_next = (still_samples <= still_y2) ? still_y2 : (still_y2 + 1u);
+    }
+    const bool same_y3 = maglev_5dof_equal(y3_accepted, state->code_y3);
+    uint32_t still_y3_next = 0u;
+    if (same_y3) {
+        const uint32_t still_y3 = state->still_y3;
+        still_y3_next = (still_samples <= still_y3) ? still_y3 : (still_y3 + 1u);
+    }
+    const bool same_y4 = maglev_5dof_equal(y4_accepted, state->code_y4);
+    uint32_t still_y4_next = 0u;
+    if (same_y4) {
+        const uint32_t still_y4 = state->still_y4;
+        still_y4_next = (still_samples <= still_y4) ? still_y4 : (still_y4 + 1u);
+    }
+    if (diagnostics != NULL) {
+        diagnostics->sound = ((ready != 0u) && complete && (degraded == 0u)) ? 1.0f : 0.0f;
+    }
+    return (maglev_5dof_redundancy_output_t){.still_y1_next = still_y1_next, .still_y2_next = still_y2_next,
+        .still_y3_next = still_y3_next, .still_y4_next = still_y4_next, .sound = (ready != 0u) && complete &&
+        (degraded == 0u), .same_y1 = same_y1, .same_y2 = same_y2, .same_y3 = same_y3, .same_y4 = same_y4};
+}
+
+typedef struct {
+    float before_next;
+    float held;
+    uint32_t unchanged;
+    uint32_t suspect;
+    uint32_t value;
+    bool above_gate;
+    bool same;
+    bool jumping;
+    bool usual;
+    bool trusted;
+    bool far;
+    bool believed;
+} maglev_5dof_monitor_output_t;
+
+/* x_monitor, z_monitor: frozen codes, jumps of the innovation
+ *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
+MAGLEV_5DOF_LARGE maglev_5dof_monitor_output_t maglev_5dof_monitor_output(const maglev_5dof_monitor_state_t *state,
+    float expected, float accepted, bool in_time, uint32_t ready, bool unanswered, bool sound, bool good)
+{
+    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
+    static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
+    /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that changes */
+    static const float wide_jump = 0.0005f;
+    static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
+    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
+    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
+    /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that stands still */
+    static const float wide_frozen = 0.0002f;
+
+    const float distance = fabsf(expected - accepted);
+    const bool above_gate = gate < distance;
+    const float code = state->code;
+    const bool same = maglev_5dof_equal(accepted, code);
+    const float before = state->before;
+    const uint32_t doubts = state->doubts;
+    const bool doubts_below_1 = doubts < 1u;
+    bool jumping = false;
+    bool strayed = false;
+    bool far = false;
+    bool believed = false;
+    if (above_gate) {
+        const bool above_jump = jump < distance;
+        if (above_jump) {
+            const uint32_t jumps = state->jumps;
+            const float growth = distance - fabsf(code - before);
+            const bool jumping_if_above_jump = (doubts_below_1 || (wide_jump < growth)) && in_time &&
+                (-travel < expected) && (expected < travel) && (-travel < code) && (code < travel);
+            jumping = (1u <= jumps) || (jumping_if_above_jump && !same);
+            strayed = wide_frozen < growth;
+            believed = jumping_if_above_jump;
+        }
+        far = above_jump;
+    }
+    uint32_t unchanged = 0u;
+    float before_next_if_ready = before;
+    if (same) {
+        const uint32_t still = state->still;
+        unchanged = (most_unchanged <= still) ? still : (still + 1u);
+    } else {
+        before_next_if_ready = expected;
+    }
+    const float before_next = (ready != 0u) ? before_next_if_ready : accepted;
+    bool usual = false;
+    uint32_t suspect = 1u;
+    bool trusted = false;
+    float held = expected;
+    uint32_t value = 0u;
+    if (!jumping) {
+        const uint32_t excluded = state->excluded;
+        const bool usable = good && (excluded == 0u);
+        const uint32_t stopped = (usable) ? 1u : excluded;
+        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
+                fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
+            suspect = stopped;
+            value = stopped;
+        } else {
+            usual = sound;
+            if (sound) {
+                suspect = 0u;
+                value = 0u;
+                trusted = true;
+                held = accepted;
+            } else {
+                suspect = excluded;
+                value = excluded;
+                trusted = usable;
+                held = (usable) ? accepted : expected;
+            }
+        }
+    }
+    return (maglev_5dof_monitor_output_t){.before_next = before_next, .held = held, .unchanged = unchanged,
+        .suspect = suspect, .value = value, .above_gate = above_gate, .same = same, .jumping = jumping, .usual = usual,
+        .trusted = trusted, .far = far, .believed = believed};
+}
+
+/* x_monitor, z_monitor: frozen codes, jumps of the innovation */
+MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state_t *state, bool jumping,
+    uint32_t x_frozen_choice, float accepted, uint32_t unchanged, bool above_gate, bool far, bool same, bool believed,
+    float before_next)
+{
+    static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
+    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
+
+    state->code = accepted;
+    state->still = unchanged;
+    uint32_t frozen = x_frozen_choice;
+    if (jumping) {
+        frozen = state->excluded;
+        const uint32_t jumps = state->jumps;
+        if (excluded_from <= jumps) {
+            state->excluded = 1u;
+            state->jumps = 0u;
+        } else {
+            state->jumps = jumps + 1u;
+        }
+    } else {
+        state->excluded = x_frozen_choice;
+        state->jumps = 0u;
+    }
+    const uint32_t doubts = state->doubts;
+    uint32_t doubts_if_not_far = doubts;
+    uint32_t agreeing = doubts;
+    if (!same) {
+        doubts_if_not_far = doubted_changes;
+        if (1u <= doubts) {
+            agreeing = doubts - 1u;
+        } else {
+            agreeing = 0u;
+        }
+    }
+    if (above_gate) {
+        state->doubts = (far) ? ((same || believed) ? doubts : doubted_changes) : doubts_if_not_far;
+    } else {
+        state->doubts = agreeing;
+    }
+    state->before = before_next;
+    return frozen;
+}
+
+typedef struct {
     float disturbance;
     float estimate;
     float rate;
@@ -139,15 +390,15 @@ typedef struct {
  *     x_disturbance = (limit(d + gamma * nu, largest_disturbance) if x_trusted is set, else 0) if
  *         guard_ready is set, else 0
  *     x_estimate = q + alpha * nu if guard_ready is set, else x_held
- *     x_rate = (v + beta * nu if x_trusted is set, else (0 if x_diverges is set, else v - (beta / gamma *
- *         (d - d_at_change) + T * gained if x_frozen is set, else 0))) if guard_ready is set, else 0
+ *     x_rate = (v + beta * nu if x_trusted is set, else v - (beta / gamma * (d - d_at_change) + T * gained
+ *         if x_frozen is set, else 0)) if guard_ready is set, else 0
  *     q_next = limit(x_estimate + half_T * (x_rate + rate_ahead), largest_position)
  *     v_next = limit(rate_ahead, largest_rate)
  *     gained_next = gained_decay * gained + x_disturbance - d_at_change if same, else 0
  *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * nu, largest_disturbance))
  *         if x_trusted is set, else 0) if guard_ready is set, else 0), largest_gain), least_gain) */
-MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
-    bool trusted, float held, bool diverges, uint32_t frozen, float a_before, uint32_t unchanged)
+MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_2_state_t *state, uint32_t ready,
+    bool trusted, float held, uint32_t frozen, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
@@ -179,13 +430,11 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
             rate = v + (beta * nu);
             g_change = learning_step * (a_before * d_if_trusted);
         } else {
-            if (!diverges) {
-                float taken_back = 0.0f;
-                if (frozen != 0u) {
-                    taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
-                }
-                rate = v - taken_back;
+            float taken_back = 0.0f;
+            if (frozen != 0u) {
+                taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
             }
+            rate = v - taken_back;
         }
         estimate = q + (alpha * nu);
     }
@@ -205,146 +454,584 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
 }
 
 typedef struct {
-    uint32_t unchanged;
-    float before_next;
-    bool usual;
-    uint32_t suspect;
-    bool trusted;
-    float held;
-    uint32_t frozen;
-    bool diverges;
-    uint32_t excluded_next;
-    uint32_t doubts_next;
-    uint32_t jumps_next;
-} maglev_5dof_monitor_t;
+    float y1_held;
+    float y2_held;
+    float y3_held;
+    float y4_held;
+    uint32_t waited;
+    uint32_t doubted;
+    bool calm;
+    bool suspect_y1;
+    bool suspect_y2;
+    bool suspect_y3;
+    bool suspect_y4;
+    bool gaps_sufficient;
+    bool whole;
+    bool agrees;
+    bool repeats_y1;
+    bool repeats_y2;
+    bool repeats_y3;
+    bool repeats_y4;
+    bool agreeing;
+    bool isolated_y1;
+    bool readmitted_y1;
+    bool readmitted_y2;
+    bool readmitted_y3;
+    bool readmitted_y4;
+    bool isolated_y2;
+    bool isolated_y3;
+    bool isolated_y4;
+    bool value;
+} maglev_5dof_redundancy_output_2_t;
 
-/* x_monitor, z_monitor: frozen codes, jumps of the innovation
- *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
-MAGLEV_5DOF_LARGE maglev_5dof_monitor_t maglev_5dof_monitor(const maglev_5dof_monitor_state_t *state, float expected,
-    float accepted, bool in_time, uint32_t ready, bool unanswered, bool sound, bool good, bool counted)
+/* redundancy: parity, innovations, frozen codes */
+MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_output_2(const maglev_5dof_redundancy_state_t
+    *state, float y1_accepted, float y2_accepted, float y3_accepted, float y4_accepted, float y1_expected,
+    float y2_expected, float y3_expected, float y4_expected, uint32_t still_y1_next, uint32_t still_y2_next,
+    uint32_t still_y3_next, uint32_t still_y4_next, bool sound, bool x_usual, bool z_usual, uint32_t complete_part,
+    uint32_t ready, bool same_y1, bool same_y2, bool same_y3, bool same_y4, maglev_5dof_diagnostics_t *diagnostics)
 {
-    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
-    static const float gate = 4e-05f;                           /* m; an agreeing prediction is nearer */
-    static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
-    /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that changes */
-    static const float wide_jump = 0.0005f;
-    /* m; from the prediction: no sound reading is farther, but after missing calls */
-    static const float away = 0.0003f;
-    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
-    static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
+    /* m; largest |r| without a fault: half a count and an offset of each sensor */
+    static const float threshold_0 = 4.8e-05f;
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
-    static const float frozen_gate = 8.2e-05f; /* m; predicted motion in which a working code changes */
-    /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that stands still */
-    static const float wide_frozen = 0.0002f;
-    static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
-    static const uint32_t doubted_after_missed_calls = 20u;     /* 1; of these the first half for its distance */
+    /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
+    static const float candidate_part = 0.4f;
+    static const uint32_t all_but_one_of_4 = 3u;                /* 1; sensors of a group but one */
+    static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
+    static const float lead_by_code = 0.05f; /* 1; of |r|: least lead over the next E by codes: more than noise of E */
+    /* 1; of |r|: least lead by innovations alone, which predictions that followed an error spoil */
+    static const float lead_by_innovation = 0.3f;
+    static const float preference = 10.0f; /* m; more than any E: codes decide before innovations */
+    static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
+    static const uint32_t undecided_from = 9u;                  /* 1; contradictions before all are suspects */
+    static const uint32_t tolerated_missing = 2u;               /* 1; readings of a group that may be missing */
+    static const float highest_y1_y3 = 0.0322f;                 /* m; end of its range */
+    static const float lowest_y1_y3 = 0.0168f;                  /* m; end of its range */
+    static const float highest_y2_y4 = 0.0366f;                 /* m; end of its range */
+    static const float lowest_y2_y4 = 0.0124f;                  /* m; end of its range */
 
-    const float code = state->code;
-    const bool same = maglev_5dof_equal(accepted, code);
-    const float before = state->before;
-    const uint32_t doubts = state->doubts;
-    uint32_t unchanged = 0u;
-    float before_next_if_ready = before;
-    uint32_t doubts_next = doubts;
-    if (same) {
-        const uint32_t still = state->still;
-        unchanged = (most_unchanged <= still) ? still : (still + 1u);
-    } else {
-        before_next_if_ready = expected;
-        if (1u <= doubts) {
-            doubts_next = doubts - 1u;
-        } else {
-            doubts_next = 0u;
-        }
-    }
-    const float before_next = (ready != 0u) ? before_next_if_ready : accepted;
-    const float distance = fabsf(expected - accepted);
-    const uint32_t jumps = state->jumps;
-    const bool doubts_below_1 = doubts < 1u;
-    bool jumping = false;
-    bool strayed = false;
-    bool gradual = false;
-    if (gate < distance) {
-        const bool stays = same || (doubted_changes < doubts);
-        uint32_t doubts_next_if_counted;
-        if (jump < distance) {
-            const float growth = distance - fabsf(code - before);
-            const bool sudden = doubts_below_1 || (wide_jump < growth);
-            const bool believed = (sudden || ((away < distance) && (doubts <= doubted_changes))) && in_time &&
-                (-travel < expected) && (expected < travel) && (-travel < code) && (code < travel);
-            jumping = (1u <= jumps) || (believed && !same);
-            strayed = wide_frozen < growth;
-            gradual = !sudden;
-            doubts_next_if_counted = (stays || believed) ? doubts : doubted_changes;
-        } else {
-            doubts_next_if_counted = (stays) ? doubts : doubted_changes;
-        }
-        doubts_next = (counted) ? doubts_next_if_counted : doubted_after_missed_calls;
-    }
-    const uint32_t excluded = state->excluded;
-    const bool suspect_test = excluded == 0u;
-    bool usual = false;
-    uint32_t suspect = 1u;
-    bool trusted = false;
-    float held = expected;
-    uint32_t frozen = excluded;
-    bool diverges = false;
-    uint32_t excluded_next;
-    uint32_t jumps_next = 0u;
-    if (jumping) {
-        diverges = gradual && (jumps < 1u) && suspect_test;
-        const bool last = excluded_from <= jumps;
-        excluded_next = (last) ? 1u : excluded;
-        jumps_next = (last) ? 0u : (jumps + 1u);
-    } else {
-        const bool usable = good && suspect_test;
-        const uint32_t stopped = (usable) ? 1u : excluded;
-        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((frozen_gate <
-                fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
-            suspect = stopped;
-            frozen = stopped;
-            excluded_next = stopped;
-        } else {
-            usual = sound;
-            if (sound) {
-                suspect = 0u;
-                frozen = 0u;
-                excluded_next = 0u;
-                trusted = true;
-                held = accepted;
+    const float residual_0_sum = y1_accepted - y2_accepted + y3_accepted;
+    const float residual_0 = residual_0_sum - y4_accepted;
+    const float size = fabsf(residual_0);
+    const bool agreement = size <= threshold_0;
+    const bool calm = sound && agreement && x_usual && z_usual;
+    bool suspect_y1 = false;
+    bool suspect_y2 = false;
+    bool suspect_y3 = false;
+    bool suspect_y4 = false;
+    bool gaps_sufficient_if_ready = true;
+    float y1_held = y1_accepted;
+    float y2_held = y2_accepted;
+    float y3_held = y3_accepted;
+    float y4_held = y4_accepted;
+    bool whole = false;
+    bool agrees = false;
+    bool repeats_y1 = false;
+    bool repeats_y2 = false;
+    bool repeats_y3 = false;
+    bool repeats_y4 = false;
+    bool agreeing = false;
+    bool isolated_y1 = false;
+    uint32_t waited = 0u;
+    bool readmitted_y1 = false;
+    bool readmitted_y2 = false;
+    bool readmitted_y3 = false;
+    bool readmitted_y4 = false;
+    uint32_t doubted = 0u;
+    bool isolated_y2 = false;
+    bool isolated_y3 = false;
+    bool isolated_y4 = false;
+    bool value = false;
+    if (!calm) {
+        const bool good_y1 = (complete_part & 0x00000001u) == 0u;
+        const uint32_t excluded_y1 = state->excluded_y1;
+        const bool usable_y1 = good_y1 && (excluded_y1 == 0u);
+        const bool good_y2 = (complete_part & 0x00000002u) == 0u;
+        const uint32_t excluded_y2 = state->excluded_y2;
+        const bool usable_y2 = good_y2 && (excluded_y2 == 0u);
+        const bool good_y3 = (complete_part & 0x00000004u) == 0u;
+        const uint32_t excluded_y3 = state->excluded_y3;
+        const bool usable_y3 = good_y3 && (excluded_y3 == 0u);
+        const bool good_y4 = (complete_part & 0x00000008u) == 0u;
+        const uint32_t excluded_y4 = state->excluded_y4;
+        const bool usable_y4 = good_y4 && (excluded_y4 == 0u);
+        const bool suspect_y1_if_not_calm = usable_y1 && usable_y2 && usable_y3 && usable_y4;
+        const uint32_t undecided_0 = state->undecided_0;
+        if (suspect_y1_if_not_calm) {
+            const bool suspect_y1_test = agreement || (ready == 0u);
+            const bool suspect_y1_test_2 = undecided_0 == 0u;
+            if (suspect_y1_test) {
+                const bool undecided_0_positive = undecided_0 != 0u;
+                suspect_y1 = undecided_0_positive;
+                suspect_y2 = undecided_0_positive;
+                suspect_y3 = undecided_0_positive;
+                suspect_y4 = undecided_0_positive;
             } else {
-                suspect = excluded;
-                excluded_next = excluded;
-                trusted = usable;
-                held = (usable) ? accepted : expected;
+                const bool residual_0_positive = 0.0f < residual_0;
+                const float direction_y1_y3 = (residual_0_positive) ? 1.0f : -1.0f;
+                const float E_y1 = direction_y1_y3 * (y1_accepted - y1_expected);
+                const float direction_y2_y4 = (residual_0_positive) ? -1.0f : 1.0f;
+                const float E_y2 = direction_y2_y4 * (y2_accepted - y2_expected);
+                const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
+                const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
+                const bool still_y1_next_at_least_3 = repeated_samples <= still_y1_next;
+                const float least_E = candidate_part * size;
+                const bool candidate_y1 = still_y1_next_at_least_3 && (least_E < E_y1);
+                const bool still_y2_next_at_least_3 = repeated_samples <= still_y2_next;
+                const bool candidate_y2 = still_y2_next_at_least_3 && (least_E < E_y2);
+                const bool still_y3_next_at_least_3 = repeated_samples <= still_y3_next;
+                const bool candidate_y3 = still_y3_next_at_least_3 && (least_E < E_y3);
+                const bool still_y4_next_at_least_3 = repeated_samples <= still_y4_next;
+                const bool candidate_y4 = still_y4_next_at_least_3 && (least_E < E_y4);
+                const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
+                    maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
+                const bool by_first_rule = candidates != 0u;
+                const uint32_t moving = maglev_5dof_flag(still_y1_next < repeated_samples) +
+                    maglev_5dof_flag(still_y2_next < repeated_samples) + maglev_5dof_flag(still_y3_next <
+                    repeated_samples) + maglev_5dof_flag(still_y4_next < repeated_samples);
+                uint32_t standing = 0u;
+                float preferred_y1 = 0.0f;
+                float preferred_y2 = 0.0f;
+                float preferred_y3 = 0.0f;
+                float preferred_y4 = 0.0f;
+                if (moving == all_but_one_of_4) {
+                    const bool stands_y1 = still_samples <= still_y1_next;
+                    const bool stands_y2 = still_samples <= still_y2_next;
+                    const bool stands_y3 = still_samples <= still_y3_next;
+                    const bool stands_y4 = still_samples <= still_y4_next;
+                    standing = maglev_5dof_flag(stands_y1) + maglev_5dof_flag(stands_y2) + maglev_5dof_flag(stands_y3) +
+                        maglev_5dof_flag(stands_y4);
+                    const float by_second_rule = 1.0f - (by_first_rule ? 1.0f : 0.0f);
+                    preferred_y1 = (stands_y1) ? by_second_rule : 0.0f;
+                    preferred_y2 = (stands_y2) ? by_second_rule : 0.0f;
+                    preferred_y3 = (stands_y3) ? by_second_rule : 0.0f;
+                    preferred_y4 = (stands_y4) ? by_second_rule : 0.0f;
+                }
+                const float score_y1 = E_y1 +
+                    (preference * ((candidate_y1 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y1));
+                const float score_y2 = E_y2 +
+                    (preference * ((candidate_y2 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y2));
+                const float score_y3 = E_y3 +
+                    (preference * ((candidate_y3 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y3));
+                const float score_y4 = E_y4 +
+                    (preference * ((candidate_y4 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y4));
+                const bool by_code = (candidates + standing) != 0u;
+                const float best_y1 = maglev_5dof_max(-preference, score_y1);
+                const float best_y2 = maglev_5dof_max(best_y1, score_y2);
+                const float best_y3 = maglev_5dof_max(best_y2, score_y3);
+                const float best = maglev_5dof_max(best_y3, score_y4);
+                const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-preference,
+                    maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)),
+                    maglev_5dof_min(best_y3, score_y4));
+                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) < (best - second)) &&
+                    (by_code || suspect_y1_test_2)) ? best : twice_preference;
+                const bool least_upto_score_y1 = least <= score_y1;
+                const uint32_t contradictions_0 = state->contradictions_0;
+                const uint32_t suspect_y1_choice = (undecided_from <= contradictions_0) ? 1u : undecided_0;
+                suspect_y1 = (maglev_5dof_flag(least_upto_score_y1) + suspect_y1_choice) != 0u;
+                const bool least_upto_score_y2 = least <= score_y2;
+                suspect_y2 = (maglev_5dof_flag(least_upto_score_y2) + suspect_y1_choice) != 0u;
+                const bool least_upto_score_y3 = least <= score_y3;
+                suspect_y3 = (maglev_5dof_flag(least_upto_score_y3) + suspect_y1_choice) != 0u;
+                const bool least_upto_score_y4 = least <= score_y4;
+                suspect_y4 = (maglev_5dof_flag(least_upto_score_y4) + suspect_y1_choice) != 0u;
+                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? residual_0 : 0.0f),
+                    highest_y1_y3), lowest_y1_y3);
+                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? residual_0 : 0.0f),
+                    highest_y2_y4), lowest_y2_y4);
+                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? residual_0 : 0.0f),
+                    highest_y1_y3), lowest_y1_y3);
+                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? residual_0 : 0.0f),
+                    highest_y2_y4), lowest_y2_y4);
+                isolated_y1 = least_upto_score_y1;
+                isolated_y2 = least_upto_score_y2;
+                isolated_y3 = least_upto_score_y3;
+                isolated_y4 = least_upto_score_y4;
+                repeats_y1 = still_y1_next_at_least_3;
+                repeats_y2 = still_y2_next_at_least_3;
+                repeats_y3 = still_y3_next_at_least_3;
+                repeats_y4 = still_y4_next_at_least_3;
+                waited = suspect_y1_choice;
             }
+            agrees = suspect_y1_test;
+            agreeing = suspect_y1_test_2;
+        } else {
+            const uint32_t stuck_0 = state->stuck_0;
+            const bool suspect_y1_test_3 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
+            const bool suspect_y1_test_4 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !same_y2 && good_y2;
+            const bool suspect_y1_test_5 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !same_y3 && good_y3;
+            const bool suspect_y1_test_6 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !same_y4 && good_y4;
+            const uint32_t suspect_y1_change = (suspect_y1_test_3 || suspect_y1_test_4 || suspect_y1_test_5 ||
+                suspect_y1_test_6) ? 1u : undecided_0;
+            suspect_y1 = (excluded_y1 + suspect_y1_change) != 0u;
+            suspect_y2 = (excluded_y2 + suspect_y1_change) != 0u;
+            suspect_y3 = (excluded_y3 + suspect_y1_change) != 0u;
+            suspect_y4 = (excluded_y4 + suspect_y1_change) != 0u;
+            const uint32_t missing = maglev_5dof_flag((usable_y1) ? false : true) + maglev_5dof_flag((usable_y2) ? false
+                : true) + maglev_5dof_flag((usable_y3) ? false : true) + maglev_5dof_flag((usable_y4) ? false : true);
+            gaps_sufficient_if_ready = missing <= tolerated_missing;
+            const bool missing_at_most_1 = missing <= 1u;
+            float predicted_y1 = y1_expected;
+            float predicted_y2 = y2_expected;
+            float predicted_y3 = y3_expected;
+            float predicted_y4 = residual_0_sum;
+            if (missing_at_most_1) {
+                predicted_y1 = y1_accepted - residual_0;
+                predicted_y2 = y2_accepted + residual_0;
+                predicted_y3 = y3_accepted - residual_0;
+            } else {
+                predicted_y4 = y4_expected;
+            }
+            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : predicted_y1, highest_y1_y3),
+                lowest_y1_y3);
+            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : predicted_y2, highest_y2_y4),
+                lowest_y2_y4);
+            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : predicted_y3, highest_y1_y3),
+                lowest_y1_y3);
+            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted_y4, highest_y2_y4),
+                lowest_y2_y4);
+            readmitted_y1 = suspect_y1_test_3;
+            readmitted_y2 = suspect_y1_test_4;
+            readmitted_y3 = suspect_y1_test_5;
+            readmitted_y4 = suspect_y1_test_6;
+            doubted = suspect_y1_change;
+            value = missing_at_most_1;
         }
+        whole = suspect_y1_if_not_calm;
     }
-    return (maglev_5dof_monitor_t){.unchanged = unchanged, .before_next = before_next, .usual = usual,
-        .suspect = suspect, .trusted = trusted, .held = held, .frozen = frozen, .diverges = diverges,
-        .excluded_next = excluded_next, .doubts_next = doubts_next, .jumps_next = jumps_next};
+    if (diagnostics != NULL) {
+        diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
+        diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
+        diagnostics->suspect_y3 = suspect_y3 ? 1.0f : 0.0f;
+        diagnostics->suspect_y4 = suspect_y4 ? 1.0f : 0.0f;
+        diagnostics->y1_held = y1_held;
+        diagnostics->y2_held = y2_held;
+        diagnostics->y3_held = y3_held;
+        diagnostics->y4_held = y4_held;
+        diagnostics->gaps_sufficient = ((ready != 0u) && gaps_sufficient_if_ready) ? 1.0f : 0.0f;
+    }
+    return (maglev_5dof_redundancy_output_2_t){.y1_held = y1_held, .y2_held = y2_held, .y3_held = y3_held,
+        .y4_held = y4_held, .waited = waited, .doubted = doubted, .calm = calm, .suspect_y1 = suspect_y1,
+        .suspect_y2 = suspect_y2, .suspect_y3 = suspect_y3, .suspect_y4 = suspect_y4,
+        .gaps_sufficient = (ready != 0u) && gaps_sufficient_if_ready, .whole = whole, .agrees = agrees,
+        .repeats_y1 = repeats_y1, .repeats_y2 = repeats_y2, .repeats_y3 = repeats_y3, .repeats_y4 = repeats_y4,
+        .agreeing = agreeing, .isolated_y1 = isolated_y1, .readmitted_y1 = readmitted_y1,
+        .readmitted_y2 = readmitted_y2, .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4,
+        .isolated_y2 = isolated_y2, .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4, .value = value};
 }
 
-/* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
- * de_y = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
- *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
- *     r_next = fade * r + s_next + rho * s */
-MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, uint32_t ready, float e)
-{
-    static const float fade = 0.36787945f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
-    static const float rho = 0.5121659f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
+typedef struct {
+    bool regular;
+    bool theta_measured;
+} maglev_5dof_redundancy_update_t;
 
-    const float q_prev = state->q_prev;
-    state->q_prev = e;
-    const float s = state->s;
-    float d = 0.0f;
-    if (ready != 0u) {
-        d = e - q_prev;
+/* redundancy: parity, innovations, frozen codes */
+MAGLEV_5DOF_LARGE maglev_5dof_redundancy_update_t maglev_5dof_redundancy_update(maglev_5dof_redundancy_state_t *state,
+    bool calm, bool z_trusted, bool x_trusted, bool whole, bool agrees, bool agreeing, uint32_t waited,
+    bool regular_choice, uint32_t doubted, float y1_accepted, uint32_t still_y1_next, bool isolated_y1,
+    bool readmitted_y1, float y2_accepted, uint32_t still_y2_next, bool isolated_y2, bool readmitted_y2,
+    float y3_accepted, uint32_t still_y3_next, bool isolated_y3, bool readmitted_y3, float y4_accepted,
+    uint32_t still_y4_next, bool isolated_y4, bool readmitted_y4, bool repeats_y1, bool repeats_y2, bool repeats_y3,
+    bool repeats_y4, uint32_t z_suspect, uint32_t x_suspect, bool suspect_y4, bool suspect_y3, bool suspect_y2,
+    bool suspect_y1, maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
+    static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
+
+    state->code_y1 = y1_accepted;
+    state->still_y1 = still_y1_next;
+    bool regular = true;
+    bool theta_measured = true;
+    if (calm) {
+        state->contradictions_0 = 0u;
+    } else {
+        const uint32_t excluded_y1 = state->excluded_y1;
+        const uint32_t excluded_y2 = state->excluded_y2;
+        const uint32_t excluded_y3 = state->excluded_y3;
+        const uint32_t excluded_y4 = state->excluded_y4;
+        bool determined;
+        if (whole) {
+            if (agrees) {
+                determined = agreeing;
+                state->contradictions_0 = 0u;
+            } else {
+                determined = waited == 0u;
+                const uint32_t contradictions_0 = state->contradictions_0;
+                bool left_out_now_y1 = isolated_y1;
+                bool left_out_now_y2 = isolated_y2;
+                bool left_out_now_y3 = isolated_y3;
+                bool left_out_now_y4 = isolated_y4;
+                if (contradictions_0 < excluded_from) {
+                    left_out_now_y1 = false;
+                    left_out_now_y2 = false;
+                    left_out_now_y3 = false;
+                    left_out_now_y4 = false;
+                }
+                state->excluded_y1 = maglev_5dof_flag(left_out_now_y1);
+                state->excluded_y2 = maglev_5dof_flag(left_out_now_y2);
+                state->excluded_y3 = maglev_5dof_flag(left_out_now_y3);
+                state->excluded_y4 = maglev_5dof_flag(left_out_now_y4);
+                if (contradictions_0 < most_contradictions) {
+                    state->contradictions_0 = contradictions_0 + 1u;
+                }
+                const uint32_t stuck_0 = state->stuck_0;
+                const uint32_t stuck_0_sum = maglev_5dof_flag(repeats_y1 && left_out_now_y1) +
+                    maglev_5dof_flag(repeats_y2 && left_out_now_y2) + maglev_5dof_flag(repeats_y3 && left_out_now_y3) +
+                    maglev_5dof_flag(repeats_y4 && left_out_now_y4) + stuck_0;
+                state->stuck_0 = maglev_5dof_flag(stuck_0_sum != 0u);
+                state->undecided_0 = waited;
+            }
+        } else {
+            determined = regular_choice && (doubted == 0u);
+            state->excluded_y1 = maglev_5dof_flag((excluded_y1 != 0u) && !readmitted_y1);
+            state->excluded_y2 = maglev_5dof_flag((excluded_y2 != 0u) && !readmitted_y2);
+            state->excluded_y3 = maglev_5dof_flag((excluded_y3 != 0u) && !readmitted_y3);
+            state->excluded_y4 = maglev_5dof_flag((excluded_y4 != 0u) && !readmitted_y4);
+            state->contradictions_0 = 0u;
+            state->undecided_0 = doubted;
+        }
+        regular = z_trusted && x_trusted && determined;
+        theta_measured = determined;
+        if ((z_suspect != 0u) || (x_suspect != 0u) || suspect_y4 || suspect_y3 || suspect_y2 || suspect_y1) {
+            state->degraded = 1u;
+        }
     }
-    const float s_next = (fade * s) + d;
-    state->s = s_next;
-    state->r = (fade * state->r) + s_next + (rho * s);
-    return state->r;
+    state->code_y2 = y2_accepted;
+    state->still_y2 = still_y2_next;
+    state->code_y3 = y3_accepted;
+    state->still_y3 = still_y3_next;
+    state->code_y4 = y4_accepted;
+    state->still_y4 = still_y4_next;
+    if (diagnostics != NULL) {
+        diagnostics->regular = regular ? 1.0f : 0.0f;
+        diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
+    }
+    return (maglev_5dof_redundancy_update_t){.regular = regular, .theta_measured = theta_measured};
+}
+
+typedef struct {
+    uint32_t latched;
+    bool value;
+} maglev_5dof_guard_update_t;
+
+/* guard: range acceptance, hold, latch */
+MAGLEV_5DOF_INLINE maglev_5dof_guard_update_t maglev_5dof_guard_update(maglev_5dof_guard_state_t *state, bool landed,
+    bool sufficient, bool complete, uint32_t latched_before)
+{
+    static const uint32_t good_per_bad = 4u;                    /* 1; good samples that make up for a bad one */
+    static const uint32_t latch_samples = 20u;                  /* 1; bad samples in a row until it latches, times 4 */
+
+    const uint32_t left = state->left;
+    const uint32_t ready = state->ready;
+    uint32_t gave_up = latched_before;
+    if ((ready != 0u) ? sufficient : complete) {
+        if (left < latch_samples) {
+            state->left = left + 1u;
+        }
+    } else if (left <= good_per_bad) {
+        gave_up = 1u;
+    } else {
+        state->left = left - good_per_bad;
+    }
+    if (complete) {
+        state->ready = 1u;
+    }
+    return (maglev_5dof_guard_update_t){.latched = (landed) ? 1u : gave_up, .value = ready != 0u};
+}
+
+typedef struct {
+    float phi;
+    float theta;
+} maglev_5dof_kinematics_output_t;
+
+/* kinematics: pose from the gaps, F(5)
+ *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
+ *     phi = asin(1.25945 * (y3_held - y1_held))
+ *     theta = asin(1.25945 * (y2_held - y4_held)) */
+MAGLEV_5DOF_INLINE maglev_5dof_kinematics_output_t maglev_5dof_kinematics_output(float y3_held, float y1_held,
+    float y2_held, float y4_held, maglev_5dof_diagnostics_t *diagnostics)
+{
+    const float y3_held_minus_y1_held = y3_held - y1_held;
+    const float y2_held_minus_y4_held = y2_held - y4_held;
+    if (diagnostics != NULL) {
+        diagnostics->phi = y3_held_minus_y1_held * phi_polynomial(y3_held_minus_y1_held * y3_held_minus_y1_held);
+        diagnostics->theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held);
+    }
+    return (maglev_5dof_kinematics_output_t){.phi = y3_held_minus_y1_held *
+        phi_polynomial(y3_held_minus_y1_held * y3_held_minus_y1_held),
+        .theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held)};
+}
+
+/* observer_phi: predictive observer, alpha-beta-gamma
+ *     nu = phi - q
+ *     rate_ahead = phi_rate + T * (delay_w_phi_last + phi_disturbance)
+ *     phi_estimate = q + alpha * nu if guard_ready is set, else phi
+ *     phi_rate = v + beta * nu if guard_ready is set, else 0
+ *     phi_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
+ *     q_next = limit(phi_estimate + half_T * (phi_rate + rate_ahead), largest_position)
+ *     v_next = limit(rate_ahead, largest_rate) */
+MAGLEV_5DOF_INLINE void maglev_5dof_observer_phi(maglev_5dof_observer_state_t *state, uint32_t ready, float phi,
+    float w_phi_before, maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const float alpha = 0.30232367f;                     /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float beta = 36.192043f;                       /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float T = 0.001f;                              /* s; sample period */
+    static const float gamma = 1445.947f;                       /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float largest_disturbance = 200.0f;            /* rad/s^2; bound of the disturbance */
+    static const float largest_position = 0.02f;                /* rad; bound of the prediction */
+    static const float largest_rate = 4.0f;                     /* rad/s; bound of the predicted rate */
+
+    float phi_estimate = phi;
+    float phi_rate = 0.0f;
+    float phi_disturbance = 0.0f;
+    if (ready != 0u) {
+        const float q = state->q;
+        const float nu = phi - q;
+        phi_estimate = q + (alpha * nu);
+        phi_rate = state->v + (beta * nu);
+        phi_disturbance = maglev_5dof_limit(state->d + (gamma * nu), largest_disturbance);
+    }
+    const float rate_ahead = phi_rate + (T * (w_phi_before + phi_disturbance));
+    state->q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + rate_ahead)), largest_position);
+    state->v = maglev_5dof_limit(rate_ahead, largest_rate);
+    state->d = phi_disturbance;
+    if (diagnostics != NULL) {
+        diagnostics->phi_estimate = phi_estimate;
+        diagnostics->phi_rate = phi_rate;
+        diagnostics->phi_disturbance = phi_disturbance;
+    }
+}
+
+typedef struct {
+    float theta_disturbance;
+    float theta_estimate;
+    float theta_rate_if_ready;
+} maglev_5dof_observer_theta_t;
+
+/* observer_theta: predictive observer, alpha-beta-gamma
+ *     as observer_phi, with theta in place of phi */
+MAGLEV_5DOF_INLINE maglev_5dof_observer_theta_t maglev_5dof_observer_theta(maglev_5dof_observer_state_t *state,
+    uint32_t ready, float theta, float w_theta_before, maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const float gamma = 1445.947f;                       /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float largest_disturbance = 200.0f;            /* rad/s^2; bound of the disturbance */
+    static const float alpha = 0.30232367f;                     /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float beta = 36.192043f;                       /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float T = 0.001f;                              /* s; sample period */
+    static const float largest_position = 0.031f;               /* rad; bound of the prediction */
+    static const float largest_rate = 4.0f;                     /* rad/s; bound of the predicted rate */
+
+    const float q = state->q;
+    const float nu = theta - q;
+    const float theta_rate_if_ready = state->v + (beta * nu);
+    float d_next = 0.0f;
+    float theta_estimate = theta;
+    float theta_rate = theta_rate_if_ready;
+    if (ready != 0u) {
+        d_next = maglev_5dof_limit(state->d + (gamma * nu), largest_disturbance);
+        theta_estimate = q + (alpha * nu);
+    } else {
+        theta_rate = 0.0f;
+    }
+    const float rate_ahead = theta_rate + (T * (w_theta_before + d_next));
+    state->q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + rate_ahead)), largest_position);
+    state->v = maglev_5dof_limit(rate_ahead, largest_rate);
+    state->d = d_next;
+    if (diagnostics != NULL) {
+        diagnostics->theta_disturbance = d_next;
+        diagnostics->theta_estimate = theta_estimate;
+        diagnostics->theta_rate = theta_rate;
+    }
+    return (maglev_5dof_observer_theta_t){.theta_disturbance = d_next, .theta_estimate = theta_estimate,
+        .theta_rate_if_ready = theta_rate_if_ready};
+}
+
+/* kinematics: pose from the gaps, F(5) */
+MAGLEV_5DOF_INLINE float maglev_5dof_kinematics_update(float y1_held, float y2_held, float y3_held, float y4_held,
+    maglev_5dof_diagnostics_t *diagnostics)
+{
+    if (diagnostics != NULL) {
+        diagnostics->y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
+    }
+    return 0.25f * (y1_held + y2_held + y3_held + y4_held);
+}
+
+typedef struct {
+    float y_disturbance;
+    float y_estimate;
+    float y_rate;
+} maglev_5dof_observer_y_t;
+
+/* observer_y: predictive observer, alpha-beta-gamma
+ *     nu = y - q
+ *     rate_ahead = y_rate + T * (delay_w_y_last + y_disturbance)
+ *     y_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
+ *     y_estimate = q + alpha * nu if guard_ready is set, else y
+ *     y_rate = v + beta * nu if guard_ready is set, else 0
+ *     q_next = max(min(y_estimate + half_T * (y_rate + rate_ahead), largest_position), least_position)
+ *     v_next = limit(rate_ahead, largest_rate) */
+MAGLEV_5DOF_INLINE maglev_5dof_observer_y_t maglev_5dof_observer_y(maglev_5dof_observer_state_t *state, uint32_t ready,
+    float y, float w_y_before, maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const float gamma = 1445.947f;                       /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float largest_disturbance = 50.0f;             /* m/s^2; bound of the disturbance */
+    static const float alpha = 0.30232367f;                     /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float beta = 36.192043f;                       /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float T = 0.001f;                              /* s; sample period */
+    static const float largest_position = 0.0345f;              /* m; bound of the prediction */
+    static const float least_position = 0.0145f;                /* m; bound of the prediction */
+    static const float largest_rate = 4.0f;                     /* m/s; bound of the predicted rate */
+
+    float d_next = 0.0f;
+    float y_estimate = y;
+    float y_rate = 0.0f;
+    if (ready != 0u) {
+        const float q = state->q;
+        const float nu = y - q;
+        d_next = maglev_5dof_limit(state->d + (gamma * nu), largest_disturbance);
+        y_estimate = q + (alpha * nu);
+        y_rate = state->v + (beta * nu);
+    }
+    const float rate_ahead = y_rate + (T * (w_y_before + d_next));
+    state->q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + rate_ahead)), largest_position),
+        least_position);
+    state->v = maglev_5dof_limit(rate_ahead, largest_rate);
+    state->d = d_next;
+    if (diagnostics != NULL) {
+        diagnostics->y_disturbance = d_next;
+        diagnostics->y_estimate = y_estimate;
+        diagnostics->y_rate = y_rate;
+    }
+    return (maglev_5dof_observer_y_t){.y_disturbance = d_next, .y_estimate = y_estimate, .y_rate = y_rate};
+}
+
+typedef struct {
+    float e_y;
+    float e_x;
+    float e_z;
+    float e_phi;
+    float e_theta;
+} maglev_5dof_errors_t;
+
+/* errors: tracking errors, F(14)
+ *     e_y = y - y_ref_held; likewise e_phi, e_theta
+ *     e_x = x_held - x_ref_held; likewise e_z */
+MAGLEV_5DOF_INLINE maglev_5dof_errors_t maglev_5dof_errors(float y, float y_ref_held, float x_held, float x_ref_held,
+    float z_held, float z_ref_held, float phi, float phi_ref_held, float theta, float theta_ref_held,
+    maglev_5dof_diagnostics_t *diagnostics)
+{
+    if (diagnostics != NULL) {
+        diagnostics->e_y = y - y_ref_held;
+        diagnostics->e_x = x_held - x_ref_held;
+        diagnostics->e_z = z_held - z_ref_held;
+        diagnostics->e_phi = phi - phi_ref_held;
+        diagnostics->e_theta = theta - theta_ref_held;
+    }
+    return (maglev_5dof_errors_t){.e_y = y - y_ref_held, .e_x = x_held - x_ref_held, .e_z = z_held - z_ref_held,
+        .e_phi = phi - phi_ref_held, .e_theta = theta - theta_ref_held};
 }
 
 typedef struct {
@@ -355,14 +1042,23 @@ typedef struct {
     float k_q1;                         /* 1/s^2; F(14)-(16): gain on q1 */
 } maglev_5dof_regulator_parameters_t;
 
+typedef struct {
+    float filter_s_next;
+    float filter_r_next;
+    float w_tracking;
+} maglev_5dof_regulator_t;
+
 /* regulator_y, regulator_phi, regulator_theta: F(14)-(16)
  *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
  *     sum_next = sum + e_y if |sum + e_y| <= bound, else sum
  *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= p1_bound, else p1
  *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= bound, else q1 */
-MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *state,
-    const maglev_5dof_regulator_parameters_t *parameters, float e, float filter_r_next)
+MAGLEV_5DOF_INLINE maglev_5dof_regulator_t maglev_5dof_regulator(maglev_5dof_regulator_state_t *state,
+    const maglev_5dof_regulator_parameters_t *parameters, float e, float filter_r, float filter_s, uint32_t ready,
+    float filter_q_prev)
 {
+    static const float filter_fade = 0.36787945f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
+    static const float filter_rho = 0.5121659f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
     static const float bound = 600.0f; /* m; of the internal model: a larger next value is not taken; of sum, q1 */
     static const float c1 = 2.2206568e-05f;                     /* 1; F(14)-(16): 2 - 2 cos(w T), w T = 0.00471239 */
     static const float p1_bound = 3.0f; /* m; of the internal model: a larger next value is not taken */
@@ -382,9 +1078,62 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
     if (fabsf(q1_next) <= bound) {
         state->q1 = q1_next;
     }
-    return (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) + (parameters->k_sum * sum) +
-        (parameters->k_p1 * p1) + (parameters->k_q1 * q1);
+    float d = 0.0f;
+    if (ready != 0u) {
+        d = e - filter_q_prev;
+    }
+    const float filter_s_next = (filter_fade * filter_s) + d;
+    const float filter_r_next = (filter_fade * filter_r) + filter_s_next + (filter_rho * filter_s);
+    return (maglev_5dof_regulator_t){.filter_s_next = filter_s_next, .filter_r_next = filter_r_next,
+        .w_tracking = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) +
+        (parameters->k_sum * sum) + (parameters->k_p1 * p1) + (parameters->k_q1 * q1)};
 }
+
+typedef struct {
+    float last_i_d1_next;
+    float last_i_d2_next;
+    float last_i_d3_next;
+    float last_i_d4_next;
+    float last_u_x_next;
+    float last_u_z_next;
+} maglev_5dof_safe_output_latched_t;
+
+/* safe_output: slew to the safe output once latched */
+MAGLEV_5DOF_INLINE maglev_5dof_safe_output_latched_t maglev_5dof_safe_output_latched(bool rests, float i_d1_before,
+    float i_d2_before, float i_d3_before, float i_d4_before, float u_x_before, float u_z_before)
+{
+    static const float safe_i_d = 2.5f;                         /* A; safe output */
+    static const float slew_step = 0.1f;                        /* A; 100 A/s times 0.001 s */
+
+    const float target_i_d = (rests) ? 0.0f : safe_i_d;
+    return (maglev_5dof_safe_output_latched_t){.last_i_d1_next = maglev_5dof_slew(i_d1_before, target_i_d, slew_step),
+        .last_i_d2_next = maglev_5dof_slew(i_d2_before, target_i_d, slew_step),
+        .last_i_d3_next = maglev_5dof_slew(i_d3_before, target_i_d, slew_step),
+        .last_i_d4_next = maglev_5dof_slew(i_d4_before, target_i_d, slew_step), .last_u_x_next =
+        maglev_5dof_slew(u_x_before, 0.0f, slew_step), .last_u_z_next = maglev_5dof_slew(u_z_before, 0.0f, slew_step)};
+}
+
+typedef struct {
+    float x_commutation;
+    float z_commutation;
+} maglev_5dof_angles_t;
+
+/* angles: positions for the commutation
+ *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
+MAGLEV_5DOF_INLINE maglev_5dof_angles_t maglev_5dof_angles(uint32_t latched, bool lost_x, float x_held, bool lost_z,
+    float z_held)
+{
+    static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
+
+    return (maglev_5dof_angles_t){.x_commutation = ((latched != 0u) && lost_x) ? not_known : x_held,
+        .z_commutation = ((latched != 0u) && lost_z) ? not_known : z_held};
+}
+
+typedef struct {
+    float filter_s_next;
+    float filter_r_next;
+    float w_tracking;
+} maglev_5dof_regulator_output_t;
 
 /* regulator_x, regulator_z: F(14)-(17)
  *     w_x_tracking = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
@@ -394,17 +1143,367 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
  *         else p1
  *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
  *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= bound, else q1 */
-MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulator_state_t *state, float e,
-    float filter_r_next)
+MAGLEV_5DOF_INLINE maglev_5dof_regulator_output_t maglev_5dof_regulator_output(const maglev_5dof_regulator_state_t
+    *state, float e, float filter_r, float filter_s, uint32_t ready, float filter_q_prev)
 {
+    static const float filter_fade = 0.36787945f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
+    static const float filter_rho = 0.5121659f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
     static const float k_e = -525.33453f;                       /* 1/s^2; F(14)-(17): gain on e */
     static const float k_de_times_filter_h = -13345.273f;       /* 1/s^2; F(14)-(17): gain on de; times filter_x_h */
     static const float k_sum = -0.9552653f;                     /* 1/s^2; F(14)-(17): gain on sum */
     static const float k_p1 = -56.45106f;                       /* 1/s^2; F(14)-(17): gain on p1 */
     static const float k_q1 = -1.7875412f;                      /* 1/s^2; F(14)-(17): gain on q1 */
 
-    return (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) +
-        (k_q1 * state->q1);
+    float d = 0.0f;
+    if (ready != 0u) {
+        d = e - filter_q_prev;
+    }
+    const float filter_s_next = (filter_fade * filter_s) + d;
+    const float filter_r_next = (filter_fade * filter_r) + filter_s_next + (filter_rho * filter_s);
+    return (maglev_5dof_regulator_output_t){.filter_s_next = filter_s_next, .filter_r_next = filter_r_next,
+        .w_tracking = (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) +
+        (k_q1 * state->q1)};
+}
+
+typedef struct {
+    float w_phi;
+    float w_theta;
+    float w_y;
+    float w_x_unprobed;
+    float w_z_unprobed;
+    uint32_t landing_next;
+} maglev_5dof_landing_t;
+
+/* landing: ramps and state feedback
+ * No integrator takes part, so nothing winds up: the disturbance of the observer does its work.
+ *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
+ *         (observer_theta_v + observer_theta_beta * (theta - observer_theta_q))) if guard_ready is set,
+ *         else 0
+ *     w_theta = -((pole_theta if theta_measured is set, else predicted_pole_theta)^2 * theta_estimate +
+ *         damping_theta + theta_disturbance) if landing_next is set, else w_theta_tracking
+ *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
+ *     ramp_rate_next_y = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
+ *         acceleration_step_y)
+ *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
+ *         (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance if landing_next is set, else
+ *         w_y_tracking
+ *     ramp_rate_next_x = max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step);
+ *         likewise ramp_rate_next_z
+ *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
+ *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
+ *         w_x_tracking; likewise w_z_unprobed
+ *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
+ *         else (left if landing_patience <= left, else left + 1)
+ *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
+ *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if landing
+ *         is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
+ *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), 0.5) if landing is set, else
+ *         x_estimate) if landing_next is set, else r_x; likewise r_z_next */
+MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_state_t *state, bool regular,
+    uint32_t ready, float phi, float w_phi_tracking, bool theta_measured, float theta_rate_if_ready,
+    float theta_estimate, float theta_disturbance, float w_theta_tracking, float y_estimate, float y_rate,
+    float y_disturbance, float w_y_tracking, float x_estimate, float x_rate, float x_disturbance, float w_x_tracking,
+    float z_estimate, float z_rate, float z_disturbance, float w_z_tracking, maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const uint32_t good_per_bad = 4u;                    /* 1; good samples that make up for a bad one */
+    static const float spring_phi = 11250.0f;                   /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
+    static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
+    static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
+    static const float stiffness_y = 3600.0f;                   /* 1/s^2; p^2, p = 60 1/s */
+    static const float ramp_end = 0.0326f;                      /* m; bound of the ramp: it is over before */
+    static const float damping_y = 120.0f;                      /* 1/s; 2 p, p = 60 1/s */
+    static const float inverse_T = 1000.0f;                     /* 1/s; 1 / sample period */
+    static const float touch_speed = 0.005f;                    /* m/s; speed of the ramp at the stop */
+    static const float approach = 25.0f;                        /* 1/s; acceleration over largest speed */
+    static const float stop = 0.031f;                           /* m; gap of the stop on which it lands */
+    static const float largest_speed = 0.08f;                   /* m/s; largest speed of the ramp */
+    static const float press_speed = 0.001f;                    /* m/s; least speed of the ramp, behind the stop */
+    static const float acceleration_y = 2.0f;                   /* m/s^2; largest one of the ramp */
+    static const float stiffness = 900.0f;                      /* 1/s^2; p^2, p = 30 1/s; of x, z */
+    static const float damping = 60.0f;                         /* 1/s; 2 p, p = 30 1/s; of x, z */
+    static const float ramp_rate_bound = 10.0f; /* m/s; bound of the ramp's rate: wider than any estimate; of y, x, z */
+    static const float acceleration = 4.0f;                     /* m/s^2; largest one of the ramp; of x, z */
+    static const uint32_t patience = 20u; /* 1; samples in a row with a prediction until it lands, times 4 */
+    static const float half_T = 0.0005f;                        /* s; half the sample period */
+    static const float acceleration_step_y = 0.002f;            /* m/s; T times 2 m/s^2 of the ramp */
+    static const float acceleration_step = 0.004f;              /* m/s; T times 4 m/s^2 of the ramp; of x, z */
+
+    const uint32_t left = state->left;
+    const bool waiting = !regular && (ready != 0u);
+    const bool left_at_most_4 = left <= good_per_bad;
+    if (waiting) {
+        if (!left_at_most_4) {
+            state->left = left - good_per_bad;
+        }
+    } else {
+        if (left < patience) {
+            state->left = left + 1u;
+        }
+    }
+    const uint32_t landing = state->landing;
+    uint32_t landing_2 = 1u;
+    if (waiting && left_at_most_4) {
+        state->landing = 1u;
+    } else {
+        landing_2 = landing;
+    }
+    float w_phi = w_phi_tracking;
+    float w_theta = w_theta_tracking;
+    float w_y = w_y_tracking;
+    float w_x_unprobed = w_x_tracking;
+    float w_z_unprobed = w_z_tracking;
+    if (landing_2 != 0u) {
+        const float levelling_pole_w_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
+        float damping_theta = 0.0f;
+        if (ready != 0u) {
+            damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
+        }
+        w_theta = -((levelling_pole_w_theta * levelling_pole_w_theta * theta_estimate) + damping_theta +
+            theta_disturbance);
+        const float y_estimate_min_ramp_end = maglev_5dof_min(y_estimate, ramp_end);
+        float ramp_y = y_estimate_min_ramp_end;
+        float ramp_rate_y = y_rate;
+        float ramp_x = x_estimate;
+        float ramp_rate_x;
+        float ramp_z = z_estimate;
+        float ramp_rate_z;
+        if (landing != 0u) {
+            ramp_y = state->r_y;
+            ramp_rate_y = state->dr_y;
+            ramp_x = state->r_x;
+            ramp_rate_x = state->dr_x;
+            ramp_z = state->r_z;
+            ramp_rate_z = state->dr_z;
+        } else {
+            ramp_rate_x = maglev_5dof_limit(x_rate, ramp_rate_bound);
+            ramp_rate_z = maglev_5dof_limit(z_rate, ramp_rate_bound);
+        }
+        w_x_unprobed = (stiffness * (ramp_x - x_estimate)) + (damping * (ramp_rate_x - x_rate)) +
+            (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance);
+        w_z_unprobed = (stiffness * (ramp_z - z_estimate)) + (damping * (ramp_rate_z - z_rate)) +
+            (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - z_disturbance);
+        const float ramp_target_y = maglev_5dof_max(maglev_5dof_min(touch_speed + (approach * (stop - ramp_y)),
+            largest_speed), press_speed);
+        w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
+            (maglev_5dof_limit(inverse_T * (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance);
+        const float ramp_rate_next_y = maglev_5dof_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
+        state->dr_y = ramp_rate_next_y;
+        const float ramp_rate_next_x = maglev_5dof_slew(ramp_rate_x, 0.0f, acceleration_step);
+        state->dr_x = ramp_rate_next_x;
+        const float ramp_rate_next_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
+        if (landing != 0u) {
+            state->r_y = maglev_5dof_max(maglev_5dof_min(ramp_y + (half_T * (ramp_rate_y + ramp_rate_next_y)),
+                ramp_end), -0.5f);
+            state->r_x = maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + ramp_rate_next_x)), 0.5f);
+            state->r_z = maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + ramp_rate_next_z)), 0.5f);
+        } else {
+            state->r_y = y_estimate_min_ramp_end;
+            state->r_x = x_estimate;
+            state->r_z = z_estimate;
+        }
+        state->dr_z = ramp_rate_next_z;
+        w_phi = -spring_phi * phi;
+    }
+    if (diagnostics != NULL) {
+        diagnostics->w_phi = w_phi;
+        diagnostics->w_theta = w_theta;
+        diagnostics->w_y = w_y;
+        diagnostics->w_x_unprobed = w_x_unprobed;
+        diagnostics->w_z_unprobed = w_z_unprobed;
+    }
+    return (maglev_5dof_landing_t){.w_phi = w_phi, .w_theta = w_theta, .w_y = w_y, .w_x_unprobed = w_x_unprobed,
+        .w_z_unprobed = w_z_unprobed, .landing_next = landing_2};
+}
+
+/* probe_x, probe_z: probe at rest
+ *     runs = 1 <= sample
+ *     active = runs or quiet_samples <= x_unchanged
+ *     one_more = attempt + 1
+ *     ends = pair_samples <= sample
+ *     sample_next = ((0 if ends, else sample + 1) if runs, else free) if active, else 0
+ *     attempt_next = ((((attempt if x_unanswered, else one_more) if pair_samples <= x_unchanged, else 0)
+ *         if ends, else attempt) if runs, else attempt) if active, else 0
+ *     towards_next = (towards if runs, else (-first_push if 0 < e_x, else first_push)) if active, else
+ *         towards */
+MAGLEV_5DOF_INLINE float maglev_5dof_probe(maglev_5dof_probe_state_t *state, uint32_t unchanged, float w_unprobed,
+    bool free, float e)
+{
+    static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
+    static const uint32_t last_push_end = 12u;                  /* 1; last sample of the second push */
+    static const uint32_t first_push_end = 3u;                  /* 1; last sample of the first push of a pair */
+    static const uint32_t reverse_push_end = 9u;                /* 1; last sample of the push to the other side */
+    static const float largest_demand = 10000.0f;               /* m/s^2; bound of the demand with a push */
+    static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
+    static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
+    /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m and back in 12 samples */
+    static const float first_push = 0.46666667f;
+
+    const uint32_t sample = state->sample;
+    const bool runs = 1u <= sample;
+    float w = w_unprobed;
+    if (runs || (quiet_samples <= unchanged)) {
+        if (runs) {
+            const uint32_t attempt = state->attempt;
+            const uint32_t one_more = attempt + 1u;
+            float pulse = 0.0f;
+            if (sample <= last_push_end) {
+                const float push = state->towards * (float)one_more;
+                pulse = ((first_push_end < sample) && (sample <= reverse_push_end)) ? -push : push;
+            }
+            w = maglev_5dof_limit(w_unprobed + pulse, largest_demand);
+            if (pair_samples <= sample) {
+                state->sample = 0u;
+                state->attempt = (pair_samples <= unchanged) ? ((most_attempts <= attempt) ? attempt : one_more) : 0u;
+            } else {
+                state->sample = sample + 1u;
+            }
+        } else {
+            state->sample = maglev_5dof_flag(free);
+            state->towards = (0.0f < e) ? -first_push : first_push;
+        }
+    } else {
+        state->sample = 0u;
+        state->attempt = 0u;
+    }
+    return w;
+}
+
+typedef struct {
+    float i_d1_balanced;
+    float i_d2_balanced;
+    float i_d3_balanced;
+    float i_d4_balanced;
+    float h_x;
+    float u_x_computed;
+    float h_z;
+    float u_z_computed;
+    float excess_x;
+    float excess_z;
+} maglev_5dof_decoupling_t;
+
+/* decoupling: direct and thrust currents, F(8), F(12)
+ *     thrust_per_ampere_1 = 35.0903 * ((1 - 0.00211667 / (y1_held + 0.00635 + 0.005)) / (0.01905 /
+ *         (0.01905 - 1.27324 * (y1_held * (0.00635 / y1_held * atan(0.00635 / y1_held) - log(sqrt(1 +
+ *         (0.00635 / y1_held)^2))))) * sinh(54.971 * (0.005 + y1_held)))); likewise thrust_per_ampere_2,
+ *         thrust_per_ampere_3, thrust_per_ampere_4
+ *     half_a_over_h2_1 = 0.0701829 * (0.01905 / (0.01905 - 1.27324 * (y1_held * (0.00635 / y1_held *
+ *         atan(0.00635 / y1_held) - log(sqrt(1 + (0.00635 / y1_held)^2))))))^2 / (1 - 0.00211667 /
+ *         (y1_held + 0.00635 + 0.005)); likewise half_a_over_h2_2, half_a_over_h2_3, half_a_over_h2_4
+ *     half_c_1 = thrust_per_ampere_1^2 * (half_c_over_h2 + slot_pull / (y1_held + gap_offset)); likewise
+ *         half_c_2, half_c_3, half_c_4
+ *     half_load_1 = half_a_1 + half_c_1 * (safe_output_last_u_z^2 + safe_output_last_i_d1^2); likewise
+ *         half_load_2, half_load_3, half_load_4
+ *     inverse_b_1 = 1 / sqrt(thrust_per_ampere_1^2 + discriminant_factor * (half_a_1 * half_c_1));
+ *         likewise inverse_b_2, inverse_b_3, inverse_b_4
+ *     half_force = half_M_y * (w_y - G) + half_load_1 + half_load_2 + half_load_3 + half_load_4
+ *     half_force_phi = half_I_over_r * (w_phi + compensated_k_s_phi * phi) + half_load_3 - half_load_1;
+ *         likewise half_force_theta
+ *     half_force_1_3 = ((inverse_b_2 + inverse_b_4) * half_force + (inverse_b_2 - inverse_b_4) *
+ *         half_force_theta - (inverse_b_3 - inverse_b_1) * half_force_phi) / (inverse_b_1 + inverse_b_3 +
+ *         inverse_b_2 + inverse_b_4)
+ *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
+ *         i_d4_balanced^2))); likewise u_z_computed */
+MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(float y1_held, float u_z_before, float i_d1_before,
+    float y2_held, float u_x_before, float i_d2_before, float y3_held, float i_d3_before, float y4_held,
+    float i_d4_before, float w_y, float w_phi, float phi, float w_theta, float theta, float w_x, float w_z,
+    maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
+    static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
+    /* 1; 4 a c = 16 half_a half_c; b^2 = h^2 + 4 a c as coth^2 = 1 + 1/sinh^2 in (2)-(4) */
+    static const float discriminant_factor = 16.0f;
+    /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
+    static const float half_c_over_h2 = 0.0007232277f;
+    static const float half_M_y = 3.45f;                        /* kg; M_y / 2, M_y = 6.9 kg */
+    static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
+    /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad; I_z / (2 r), r = 0.397 m, I_z = 0.5268 kg m^2/rad;
+     * of x, z */
+    static const float half_I_over_r = 0.66347605f;
+    static const float compensated_k_s_theta = 2850.0f;         /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
+    static const float compensated_k_s_phi = 11250.0f;          /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
+    static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
+    static const float M_x = 10.6f;                             /* kg; Table I */
+    static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
+    static const float M_z = 8.6f;                              /* kg; Table I */
+
+    const float slot_effect_y1_held = slot_pull / (y1_held + gap_offset);
+    const float thrust_per_ampere_1_argument = slot_effect_y1_held - 4.196167e-05f;
+    const float thrust_per_ampere_1 = thrust_per_ampere_polynomial(thrust_per_ampere_1_argument);
+    const float half_a_over_h2_1 = half_a_over_h2_polynomial(thrust_per_ampere_1_argument);
+    const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
+    const float half_a_1 = thrust_per_ampere_1_squared * half_a_over_h2_1;
+    const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
+    const float u_z_before_squared = u_z_before * u_z_before;
+    const float half_load_1 = half_a_1 + (half_c_1 * (u_z_before_squared + (i_d1_before * i_d1_before)));
+    const float inverse_b_1 = 1.0f / sqrtf(thrust_per_ampere_1_squared + (discriminant_factor * (half_a_1 * half_c_1)));
+    const float slot_effect_y2_held = slot_pull / (y2_held + gap_offset);
+    const float thrust_per_ampere_2_argument = 16384.0f * (slot_effect_y2_held - 3.4332275e-05f);
+    const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
+    const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
+    const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
+    const float half_a_2 = thrust_per_ampere_2_squared * half_a_over_h2_2;
+    const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
+    const float u_x_before_squared = u_x_before * u_x_before;
+    const float half_load_2 = half_a_2 + (half_c_2 * (u_x_before_squared + (i_d2_before * i_d2_before)));
+    const float inverse_b_2 = 1.0f / sqrtf(thrust_per_ampere_2_squared + (discriminant_factor * (half_a_2 * half_c_2)));
+    const float slot_effect_y3_held = slot_pull / (y3_held + gap_offset);
+    const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
+    const float thrust_per_ampere_3 = thrust_per_ampere_polynomial(thrust_per_ampere_3_argument);
+    const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
+    const float half_a_over_h2_3 = half_a_over_h2_polynomial(thrust_per_ampere_3_argument);
+    const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
+    const float half_a_3 = thrust_per_ampere_3_squared * half_a_over_h2_3;
+    const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
+    const float half_load_3 = half_a_3 + (half_c_3 * (u_z_before_squared + (i_d3_before * i_d3_before)));
+    const float inverse_b_3 = 1.0f / sqrtf(thrust_per_ampere_3_squared + (discriminant_factor * (half_a_3 * half_c_3)));
+    const float slot_effect_y4_held = slot_pull / (y4_held + gap_offset);
+    const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
+    const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
+    const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
+    const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_4_argument);
+    const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
+    const float half_a_4 = thrust_per_ampere_4_squared * half_a_over_h2_4;
+    const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
+    const float half_load_4 = half_a_4 + (half_c_4 * (u_x_before_squared + (i_d4_before * i_d4_before)));
+    const float inverse_b_4 = 1.0f / sqrtf(thrust_per_ampere_4_squared + (discriminant_factor * (half_a_4 * half_c_4)));
+    const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
+    const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) + (half_load_3 - half_load_1);
+    const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) +
+        (half_load_2 - half_load_4);
+    const float inverse_b_2_plus_inverse_b_4 = inverse_b_2 + inverse_b_4;
+    const float half_force_1_3_numerator = (inverse_b_2_plus_inverse_b_4 * half_force) +
+        ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
+    const float half_force_1_3 = half_force_1_3_numerator / (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
+    const float i_d1_balanced = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
+    const float i_d3_balanced = maglev_5dof_limit((half_force_1_3 + half_force_phi) * inverse_b_3, direct_limit);
+    const float half_force_2_4 = half_force - half_force_1_3;
+    const float i_d2_balanced = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
+    const float i_d4_balanced = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
+    const float u_x_demand = -M_x * w_x / h_x;
+    const float room_u_x = sqrtf(squared_current_limit -
+        maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
+    const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
+    const float u_z_demand = -M_z * w_z / h_z;
+    const float room_u_z = sqrtf(squared_current_limit -
+        maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
+    const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z);
+    if (diagnostics != NULL) {
+        diagnostics->i_d1_balanced = i_d1_balanced;
+        diagnostics->i_d3_balanced = i_d3_balanced;
+        diagnostics->i_d2_balanced = i_d2_balanced;
+        diagnostics->i_d4_balanced = i_d4_balanced;
+        diagnostics->excess_x = u_x_computed - u_x_demand;
+        diagnostics->excess_z = u_z_computed - u_z_demand;
+        diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000001u : 0u;
+        diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000002u : 0u;
+        diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000004u : 0u;
+        diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000008u : 0u;
+        diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x) ? 0x00000010u : 0u;
+        diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z) ? 0x00000020u : 0u;
+    }
+    return (maglev_5dof_decoupling_t){.i_d1_balanced = i_d1_balanced, .i_d2_balanced = i_d2_balanced, .i_d3_balanced =
+        i_d3_balanced, .i_d4_balanced = i_d4_balanced, .h_x = h_x, .u_x_computed = u_x_computed, .h_z = h_z,
+        .u_z_computed = u_z_computed, .excess_x = u_x_computed - u_x_demand, .excess_z = u_z_computed - u_z_demand};
 }
 
 /* regulator_x, regulator_z: F(14)-(17) */
@@ -432,29 +1531,121 @@ MAGLEV_5DOF_INLINE void maglev_5dof_regulator_update(maglev_5dof_regulator_state
     }
 }
 
+typedef struct {
+    float i_d1_computed;
+    float i_d2_computed;
+    float i_d3_computed;
+    float i_d4_computed;
+} maglev_5dof_handover_t;
+
+/* handover: direct currents without x or z; meanwhile |i_d| + |i_q| of a motor is limited, at once
+ * Thrust has priority over lift: an i_d that repels drives the platen along the lost axis, away from an angle that
+ * is predicted or stale, where i_q only loses the cosine of the error. So i_d fades out of the motors along that
+ * axis, and is cut where i_q leaves no room.
+ * Without the direct currents along X the guide spring alone holds theta. At gaps below held_by_spring it is weaker
+ * than the magnets, so there the handover along X waits for the landing to lower the platen.
+ * The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut at once,
+ * at most from 3.5 A to 1.45 A beside 3.5 A of thrust.
+ *     faded_transfer = max(min(target, transfer + fade_step), transfer - fade_step)
+ *     i_d1_computed = (1 - part_z) * limit(i_d1_balanced + handed_z, room_z) if not x_trusted or not
+ *         z_trusted or 0 < transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed,
+ *         i_d4_computed
+ *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
+MAGLEV_5DOF_INLINE maglev_5dof_handover_t maglev_5dof_handover(maglev_5dof_handover_state_t *state, bool lost_x,
+    bool lost_z, float y_expected, bool x_trusted, bool z_trusted, float i_d1_balanced, float i_d3_balanced,
+    float u_x_computed, float i_d2_balanced, float i_d4_balanced, float u_z_computed)
+{
+    static const float held_by_spring = 0.022f;                 /* m; at smaller gaps theta needs the motors along X */
+    static const float fade_step = 0.04f; /* 1; 1 / 25: a handover, and a fade, takes 25 samples */
+    /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
+    static const float current_limit = 4.9497476f;
+
+    const float transfer = state->transfer;
+    float i_d1_computed = i_d1_balanced;
+    float i_d2_computed = i_d2_balanced;
+    float i_d3_computed = i_d3_balanced;
+    float i_d4_computed = i_d4_balanced;
+    if (lost_x || lost_z || (0.0f < (transfer * transfer))) {
+        const float target = (lost_x && (lost_z || (y_expected < held_by_spring))) ? transfer :
+            ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f);
+        const float faded_transfer = maglev_5dof_slew(transfer, target, fade_step);
+        state->transfer = faded_transfer;
+        const bool of_x = 0.0f < faded_transfer;
+        const float part = fabsf(faded_transfer);
+        const float part_x = (of_x) ? part : 0.0f;
+        const float part_z = (of_x) ? 0.0f : part;
+        const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
+        const float room_x = current_limit - fabsf(u_x_computed);
+        const float remainder_x = 1.0f - part_x;
+        i_d2_computed = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x, room_x);
+        i_d4_computed = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x, room_x);
+        const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
+        const float room_z = current_limit - fabsf(u_z_computed);
+        const float remainder_z = 1.0f - part_z;
+        i_d1_computed = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_z);
+        i_d3_computed = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_z);
+    }
+    return (maglev_5dof_handover_t){.i_d1_computed = i_d1_computed, .i_d2_computed = i_d2_computed,
+        .i_d3_computed = i_d3_computed, .i_d4_computed = i_d4_computed};
+}
+
+typedef struct {
+    float a_x;
+    float a_z;
+} maglev_5dof_accelerations_t;
+
+/* accelerations: F(6)
+ *     a_x = -inverse_M_x * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)); likewise a_z */
+MAGLEV_5DOF_INLINE maglev_5dof_accelerations_t maglev_5dof_accelerations(float u_x_computed, float h_x,
+    float u_z_computed, float h_z, maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const float inverse_M_x = 0.094339624f;              /* 1/kg; 1 / M_x, M_x = 10.6 kg */
+    static const float inverse_M_z = 0.11627907f;               /* 1/kg; 1 / M_z, M_z = 8.6 kg */
+
+    if (diagnostics != NULL) {
+        diagnostics->a_x = -inverse_M_x * (u_x_computed * h_x);
+        diagnostics->a_z = -inverse_M_z * (u_z_computed * h_z);
+    }
+    return (maglev_5dof_accelerations_t){.a_x = -inverse_M_x * (u_x_computed * h_x),
+        .a_z = -inverse_M_z * (u_z_computed * h_z)};
+}
+
+/* Each input in its range, else what is held or refused, with its bit of the fault word. */
+MAGLEV_5DOF_INLINE maglev_5dof_input_t maglev_5dof_guard_inputs(maglev_5dof_state_t *state,
+    const maglev_5dof_input_t *in, uint32_t *faults)
+{
+    maglev_5dof_input_t accepted = *in;
+    accepted.y1 = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard.last_y1, 0x00000001u, faults);
+    accepted.y2 = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard.last_y2, 0x00000002u, faults);
+    accepted.y3 = maglev_5dof_hold(in->y3, 0.0168f, 0.0322f, &state->guard.last_y3, 0x00000004u, faults);
+    accepted.y4 = maglev_5dof_hold(in->y4, 0.0124f, 0.0366f, &state->guard.last_y4, 0x00000008u, faults);
+    accepted.x = maglev_5dof_hold_within(in->x, 0.1f, &state->guard.last_x, 0x00000010u, faults);
+    accepted.z = maglev_5dof_hold_within(in->z, 0.1f, &state->guard.last_z, 0x00000020u, faults);
+    accepted.y_ref = maglev_5dof_hold(in->y_ref, 0.01802f, 0.03098f, &state->guard.last_y_ref, 0x00000040u, faults);
+    accepted.x_ref = maglev_5dof_hold_within(in->x_ref, 0.04998f, &state->guard.last_x_ref, 0x00000080u, faults);
+    accepted.z_ref = maglev_5dof_hold_within(in->z_ref, 0.04998f, &state->guard.last_z_ref, 0x00000100u, faults);
+    accepted.phi_ref = maglev_5dof_hold_within(in->phi_ref, 0.0029496222f, &state->guard.last_phi_ref, 0x00000200u,
+        faults);
+    accepted.theta_ref = maglev_5dof_hold_within(in->theta_ref, 0.013949622f, &state->guard.last_theta_ref, 0x00000400u,
+        faults);
+    return accepted;
+}
+
 void maglev_5dof_init(maglev_5dof_state_t *state)
 {
     /* A member that is not named is 0. */
     *state = (maglev_5dof_state_t){
-        .guard_last_y1 = 0.031f,
-        .guard_last_y2 = 0.031f,
-        .guard_last_y3 = 0.031f,
-        .guard_last_y4 = 0.031f,
-        .guard_last_y_ref = 0.03095f,
-        .guard_left = 20u,
-        .x_monitor.doubts = 10u,
-        .z_monitor.doubts = 10u,
-        .redundancy_code_y1 = 0.0245f,
-        .redundancy_code_y2 = 0.0245f,
-        .redundancy_code_y3 = 0.0245f,
-        .redundancy_code_y4 = 0.0245f,
-        .redundancy_threshold_0 = 0.00015517752f,
-        .observer_y_q = 0.0245f,
-        .observer_x.g = 1.0f,
-        .observer_z.g = 1.0f,
-        .landing_left = 20u,
-        .probe_x_towards = 0.46666667f,
-        .probe_z_towards = 0.46666667f,
+        .guard = {.last_y1 = 0.031f, .last_y2 = 0.031f, .last_y3 = 0.031f, .last_y4 = 0.031f, .last_y_ref = 0.03098f,
+            .left = 20u},
+        .x_monitor = {.doubts = 10u},
+        .z_monitor = {.doubts = 10u},
+        .redundancy = {.code_y1 = 0.0245f, .code_y2 = 0.0245f, .code_y3 = 0.0245f, .code_y4 = 0.0245f},
+        .observer_y = {.q = 0.0245f},
+        .observer_x = {.g = 1.0f},
+        .observer_z = {.g = 1.0f},
+        .landing = {.left = 20u},
+        .probe_x = {.towards = 0.46666667f},
+        .probe_z = {.towards = 0.46666667f},
         .safe_output_last_i_d1 = 2.5f,
         .safe_output_last_i_d2 = 2.5f,
         .safe_output_last_i_d3 = 2.5f,
@@ -462,1136 +1653,320 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
     };
 }
 
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
-uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
-{
-    return maglev_5dof_step_diagnosed(state, in, out, NULL);
-}
-
-uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in,
+MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const maglev_5dof_input_t *in,
     maglev_5dof_output_t *out, maglev_5dof_diagnostics_t *diagnostics)
-#else
-uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
-#endif
 {
     static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
-    static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
-    static const uint32_t good_per_bad = 4u;                    /* 1; good samples that make up for a bad one */
-    static const float T = 0.001f;                              /* s; sample period */
-    static const uint32_t quiet_samples = 40u;                  /* 1; without a change of the code until it probes */
-    static const uint32_t last_push_end = 12u;                  /* 1; last sample of the second push */
-    static const uint32_t first_push_end = 3u;                  /* 1; last sample of the first push of a pair */
-    static const uint32_t reverse_push_end = 9u;                /* 1; last sample of the push to the other side */
-    static const float largest_demand = 10000.0f;               /* m/s^2; bound of the demand with a push */
-    static const float half_T = 0.0005f;                        /* s; half the sample period */
-    static const uint32_t pair_samples = 15u;                   /* 1; of a pair with its answer */
-    /* m/s^2; acceleration of the first pair, which moves the body by 4.2e-06 m and back in 12 samples */
-    static const float first_push = 0.46666667f;
+    static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
+    static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
+    static const float rests_beyond = 0.0305f; /* m; beyond it, once landed, the body lies on the stop */
+    static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
+        .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
+    static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
+        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
+    static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
+        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
 
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->samples += 1u;
         diagnostics->saturated = 0u;
     }
-#endif
-    const uint32_t probe_x_attempt = state->probe_x_attempt;
-    const bool x_unanswered = most_attempts <= probe_x_attempt;
-    const uint32_t probe_z_attempt = state->probe_z_attempt;
-    const bool z_unanswered = most_attempts <= probe_z_attempt;
-
-    /* guard: range acceptance, hold, latch
-     *     enough = sufficient if ready is set, else complete
-     *     final = left <= good_per_bad
-     *     latched = 1 if landed, else (guard_latched if enough is set, else (1 if final, else guard_latched))
-     *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if final,
-     *         else left - good_per_bad) */
     uint32_t faults = 0u;
-    const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
-    const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
-    const float y3_accepted = maglev_5dof_hold(in->y3, 0.0168f, 0.0322f, &state->guard_last_y3, 0x00000004u, &faults);
-    const float y4_accepted = maglev_5dof_hold(in->y4, 0.0124f, 0.0366f, &state->guard_last_y4, 0x00000008u, &faults);
-    const float x_accepted = maglev_5dof_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
-    const float z_accepted = maglev_5dof_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
-    const float y_ref_held = maglev_5dof_hold(in->y_ref, 0.01805f, 0.03095f, &state->guard_last_y_ref, 0x00000040u,
-        &faults);
-    const float x_ref_held = maglev_5dof_hold_within(in->x_ref, 0.04995f, &state->guard_last_x_ref, 0x00000080u,
-        &faults);
-    const float z_ref_held = maglev_5dof_hold_within(in->z_ref, 0.04995f, &state->guard_last_z_ref, 0x00000100u,
-        &faults);
-    const float phi_ref_held = maglev_5dof_hold_within(in->phi_ref, 0.0028740554f, &state->guard_last_phi_ref,
-        0x00000200u, &faults);
-    const float theta_ref_held = maglev_5dof_hold_within(in->theta_ref, 0.013874056f, &state->guard_last_theta_ref,
-        0x00000400u, &faults);
+    const maglev_5dof_input_t accepted = maglev_5dof_guard_inputs(state, in, &faults);
     const bool complete = (faults & 0x0000003fu) == 0u;
-    const uint32_t guard_latched = state->guard_latched;
-    const uint32_t guard_ready = state->guard_ready;
-    const bool judging = (guard_ready != 0u) && (guard_latched == 0u);
-    if (complete) {
-        state->guard_ready = 1u;
-    }
+    const uint32_t guard_ready = state->guard.ready;
+    const uint32_t guard_latched = state->guard.latched;
     const float missed_calls = in->missed_calls;
+    const maglev_5dof_guard_output_t guard_output = maglev_5dof_guard_output(&state->guard, guard_latched,
+        missed_calls);
+    const maglev_5dof_redundancy_output_t redundancy_output = maglev_5dof_redundancy_output(&state->redundancy,
+        guard_ready, complete, accepted.y1, accepted.y2, accepted.y3, accepted.y4, diagnostics);
+    const uint32_t probe_x_attempt = state->probe_x.attempt;
+    const bool x_unanswered = most_attempts <= probe_x_attempt;
+    const bool in_time = guard_output.judging && (fabsf(missed_calls) <= 0.0f);
+    const maglev_5dof_monitor_output_t x_monitor_output = maglev_5dof_monitor_output(&state->x_monitor,
+        state->observer_x.q, accepted.x, in_time, guard_ready, x_unanswered, redundancy_output.sound,
+        (faults & 0x00000010u) == 0u);
+    const float observer_y_q = state->observer_y.q;
+    const maglev_5dof_gap_prediction_t gap_prediction = maglev_5dof_gap_prediction(observer_y_q, state->observer_phi.q,
+        state->observer_theta.q, diagnostics);
+    const uint32_t probe_z_attempt = state->probe_z.attempt;
+    const bool z_unanswered = most_attempts <= probe_z_attempt;
+    const maglev_5dof_monitor_output_t z_monitor_output = maglev_5dof_monitor_output(&state->z_monitor,
+        state->observer_z.q, accepted.z, in_time, guard_ready, z_unanswered, redundancy_output.sound,
+        (faults & 0x00000020u) == 0u);
+    const maglev_5dof_redundancy_output_2_t redundancy_output_2 = maglev_5dof_redundancy_output_2(&state->redundancy,
+        accepted.y1, accepted.y2, accepted.y3, accepted.y4, gap_prediction.y1_expected, gap_prediction.y2_expected,
+        gap_prediction.y3_expected, gap_prediction.y4_expected, redundancy_output.still_y1_next,
+        redundancy_output.still_y2_next, redundancy_output.still_y3_next, redundancy_output.still_y4_next,
+        redundancy_output.sound, x_monitor_output.usual, z_monitor_output.usual, faults, guard_ready,
+        redundancy_output.same_y1, redundancy_output.same_y2, redundancy_output.same_y3, redundancy_output.same_y4,
+        diagnostics);
+    const uint32_t landing_landing_2 = state->landing.landing;
+    const bool landed = (landing_landing_2 != 0u) && (landed_at <= state->landing.r_y);
 
-    /* redundancy: parity, innovations, frozen codes */
-    static const float kept_part = 0.99609375f;                 /* 1; of the threshold, in a sample */
-    static const float smooth_squared = 1e-14f; /* m^2; of a change of r: it has no kink where nothing moves */
-    static const float learnt_part_0 = 0.017823689f;            /* 1; of the change of r, learnt in a sample */
-    static const float quiet_part_0 = 1.875e-07f;               /* m; of the threshold without noise, in a sample */
-    static const float largest_0 = 0.00015517752f;              /* m; threshold at the largest noise */
-    const float residual_0_without_y4 = y1_accepted - y2_accepted + y3_accepted;
-    const float residual_0 = residual_0_without_y4 - y4_accepted;
-    const uint32_t redundancy_degraded = state->redundancy_degraded;
-    const bool sound = (guard_ready != 0u) && complete && (redundancy_degraded == 0u);
-    const float size = fabsf(residual_0);
-    const float redundancy_threshold_0 = state->redundancy_threshold_0;
-    const bool agreement = size <= redundancy_threshold_0;
-    const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
-    uint32_t still_y1 = 0u;
-    if (same_y1) {
-        const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
-        still_y1 = (still_samples <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
-    }
-    const bool same_y2 = maglev_5dof_equal(y2_accepted, state->redundancy_code_y2);
-    uint32_t still_y2 = 0u;
-    if (same_y2) {
-        const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
-        still_y2 = (still_samples <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
-    }
-    const bool same_y3 = maglev_5dof_equal(y3_accepted, state->redundancy_code_y3);
-    uint32_t still_y3 = 0u;
-    if (same_y3) {
-        const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
-        still_y3 = (still_samples <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
-    }
-    const bool same_y4 = maglev_5dof_equal(y4_accepted, state->redundancy_code_y4);
-    uint32_t still_y4 = 0u;
-    if (same_y4) {
-        const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
-        still_y4 = (still_samples <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
-    }
-    const bool counted = fabsf(missed_calls) <= 0.0f;
-    const bool in_time = judging && counted;
-    const maglev_5dof_monitor_t x_monitor = maglev_5dof_monitor(&state->x_monitor, state->observer_x.q, x_accepted,
-        in_time, guard_ready, x_unanswered, sound, (faults & 0x00000010u) == 0u, counted);
-    const maglev_5dof_monitor_t z_monitor = maglev_5dof_monitor(&state->z_monitor, state->observer_z.q, z_accepted,
-        in_time, guard_ready, z_unanswered, sound, (faults & 0x00000020u) == 0u, counted);
-    const bool lost_x = !x_monitor.trusted;
-    const bool lost_z = !z_monitor.trusted;
-    const float observer_phi_q = state->observer_phi_q;
-    const float observer_y_q = state->observer_y_q;
-    const float observer_theta_q = state->observer_theta_q;
-    const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
-    const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
-    const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
-    const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
-    const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
-    const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
-    const float redundancy_last_residual_0 = state->redundancy_last_residual_0;
-    bool gaps_sufficient = true;
-    float y1_held = y1_accepted;
-    float y2_held = y2_accepted;
-    float y3_held = y3_accepted;
-    float y4_held = y4_accepted;
-    bool regular = true;
-    bool theta_measured = true;
-    uint32_t redundancy_excluded_y1_next = redundancy_excluded_y1;
-    uint32_t redundancy_excluded_y2_next = redundancy_excluded_y2;
-    uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
-    uint32_t redundancy_excluded_y4_next = redundancy_excluded_y4;
-    float redundancy_last_residual_0_choice = residual_0;
-    float redundancy_threshold_0_next = redundancy_threshold_0;
-    uint32_t redundancy_contradictions_0_next = 0u;
-    uint32_t redundancy_stuck_0_next = redundancy_stuck_0;
-    uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
-    uint32_t redundancy_degraded_next = redundancy_degraded;
-    if (sound && agreement && x_monitor.usual && z_monitor.usual) {
-        const float change = residual_0 - redundancy_last_residual_0;
-        redundancy_threshold_0_next = maglev_5dof_min((kept_part * redundancy_threshold_0) +
-            (quiet_part_0 + (learnt_part_0 * sqrtf((change * change) + smooth_squared))), largest_0);
-    } else {
-        /* gap_prediction: gaps of the predicted pose, F(5)
-         *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
-        static const float r = 0.397f;                          /* m; Table I */
-        const float r_phi = r * observer_phi_q;
-        const float y1_expected = observer_y_q - r_phi;
-        const float r_theta = r * observer_theta_q;
-        const float y2_expected = observer_y_q + r_theta;
-        const float y3_expected = observer_y_q + r_phi;
-        const float y4_expected = observer_y_q - r_theta;
-
-        /* redundancy: parity, innovations, frozen codes (continued)
-         *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
-         *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
-         *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
-         *         score_y3, score_y4
-         *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
-         *         likewise suspect_z
-         *     gaps_sufficient = 1 if sound and agreement and x_usual and z_usual, else (1 if usable_y1 and
-         *         usable_y2 and usable_y3 and usable_y4, else missing <= tolerated_missing)
-         *     regular = 1 if sound and agreement and x_usual and z_usual, else z_trusted and (x_trusted and
-         *         determined)
-         *     degraded = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else guard_ready
-         *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
-         *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
-         *     last_residual_0_next = residual_0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual,
-         *         else last_residual_0 */
-        static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
-        /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
-        static const float candidate_part = 0.4f;
-        static const uint32_t all_but_one_of_4 = 3u;            /* 1; sensors of a group but one */
-        static const float preference = 10.0f; /* m; more than any E: codes decide before innovations */
-        /* 1; of |r|: least lead over the next E by codes: more than noise of E */
-        static const float lead_by_code = 0.05f;
-        /* 1; of |r|: least lead by innovations alone, which predictions that followed an error spoil */
-        static const float lead_by_innovation = 0.3f;
-        static const float twice_preference = 20.0f;            /* m; more than any score: no sensor is named */
-        static const uint32_t undecided_from = 9u;              /* 1; contradictions before all are suspects */
-        static const uint32_t tolerated_missing = 2u;           /* 1; readings of a group that may be missing */
-        static const float highest_y1_y3 = 0.0322f;             /* m; end of its range */
-        static const float lowest_y1_y3 = 0.0168f;              /* m; end of its range */
-        static const float highest_y2_y4 = 0.0366f;             /* m; end of its range */
-        static const float lowest_y2_y4 = 0.0124f;              /* m; end of its range */
-        static const uint32_t excluded_from = 2u;               /* 1; contradictions or jumps before the last */
-        static const uint32_t most_contradictions = 10u;        /* 1; contradictions that are counted */
-        const bool good_y1 = (faults & 0x00000001u) == 0u;
-        const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
-        const bool good_y2 = (faults & 0x00000002u) == 0u;
-        const bool usable_y2 = good_y2 && (redundancy_excluded_y2 == 0u);
-        const bool good_y3 = (faults & 0x00000004u) == 0u;
-        const bool usable_y3 = good_y3 && (redundancy_excluded_y3 == 0u);
-        const bool good_y4 = (faults & 0x00000008u) == 0u;
-        const bool usable_y4 = good_y4 && (redundancy_excluded_y4 == 0u);
-        bool suspect_y1;
-        bool suspect_y2;
-        bool suspect_y3;
-        bool suspect_y4;
-        bool determined;
-        if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
-            const bool agreeing = redundancy_undecided_0 == 0u;
-            if (agreement || (guard_ready == 0u)) {
-                const bool undecided_0_positive = redundancy_undecided_0 != 0u;
-                suspect_y1 = undecided_0_positive;
-                suspect_y2 = undecided_0_positive;
-                suspect_y3 = undecided_0_positive;
-                suspect_y4 = undecided_0_positive;
-                determined = agreeing;
-            } else {
-                const bool residual_0_positive = 0.0f < residual_0;
-                const float direction_y1_y3 = (residual_0_positive) ? 1.0f : -1.0f;
-                const float E_y1 = direction_y1_y3 * (y1_accepted - y1_expected);
-                const float direction_y2_y4 = (residual_0_positive) ? -1.0f : 1.0f;
-                const float E_y2 = direction_y2_y4 * (y2_accepted - y2_expected);
-                const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
-                const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
-                const bool repeats_y1 = repeated_samples <= still_y1;
-                const float least_E = candidate_part * size;
-                const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
-                const bool repeats_y2 = repeated_samples <= still_y2;
-                const bool candidate_y2 = repeats_y2 && (least_E < E_y2);
-                const bool repeats_y3 = repeated_samples <= still_y3;
-                const bool candidate_y3 = repeats_y3 && (least_E < E_y3);
-                const bool repeats_y4 = repeated_samples <= still_y4;
-                const bool candidate_y4 = repeats_y4 && (least_E < E_y4);
-                const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
-                    maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
-                const bool by_first_rule = candidates != 0u;
-                const uint32_t moving = maglev_5dof_flag(still_y1 < repeated_samples) +
-                    maglev_5dof_flag(still_y2 < repeated_samples) + maglev_5dof_flag(still_y3 < repeated_samples) +
-                    maglev_5dof_flag(still_y4 < repeated_samples);
-                float preferred_y1 = 0.0f;
-                float preferred_y2 = 0.0f;
-                float preferred_y3 = 0.0f;
-                float preferred_y4 = 0.0f;
-                uint32_t standing = 0u;
-                if (moving == all_but_one_of_4) {
-                    const bool stands_y1 = still_samples <= still_y1;
-                    const float by_second_rule = 1.0f - (by_first_rule ? 1.0f : 0.0f);
-                    preferred_y1 = (stands_y1) ? by_second_rule : 0.0f;
-                    const bool stands_y2 = still_samples <= still_y2;
-                    preferred_y2 = (stands_y2) ? by_second_rule : 0.0f;
-                    const bool stands_y3 = still_samples <= still_y3;
-                    preferred_y3 = (stands_y3) ? by_second_rule : 0.0f;
-                    const bool stands_y4 = still_samples <= still_y4;
-                    preferred_y4 = (stands_y4) ? by_second_rule : 0.0f;
-                    standing = maglev_5dof_flag(stands_y1) + maglev_5dof_flag(stands_y2) + maglev_5dof_flag(stands_y3) +
-                        maglev_5dof_flag(stands_y4);
-                }
-                const float score_y1 = E_y1 +
-                    (preference * ((candidate_y1 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y1));
-                const float score_y2 = E_y2 +
-                    (preference * ((candidate_y2 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y2));
-                const float score_y3 = E_y3 +
-                    (preference * ((candidate_y3 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y3));
-                const float score_y4 = E_y4 +
-                    (preference * ((candidate_y4 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y4));
-                const bool by_code = (candidates + standing) != 0u;
-                const float best_y1 = maglev_5dof_max(-preference, score_y1);
-                const float best_y2 = maglev_5dof_max(best_y1, score_y2);
-                const float best_y3 = maglev_5dof_max(best_y2, score_y3);
-                const float best = maglev_5dof_max(best_y3, score_y4);
-                const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-preference,
-                    maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)),
-                    maglev_5dof_min(best_y3, score_y4));
-                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) < (best - second)) &&
-                    (by_code || agreeing)) ? best : twice_preference;
-                const bool isolated_y1 = least <= score_y1;
-                const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
-                const uint32_t waited = (undecided_from <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
-                suspect_y1 = (maglev_5dof_flag(isolated_y1) + waited) != 0u;
-                const bool isolated_y2 = least <= score_y2;
-                suspect_y2 = (maglev_5dof_flag(isolated_y2) + waited) != 0u;
-                const bool isolated_y3 = least <= score_y3;
-                suspect_y3 = (maglev_5dof_flag(isolated_y3) + waited) != 0u;
-                const bool isolated_y4 = least <= score_y4;
-                suspect_y4 = (maglev_5dof_flag(isolated_y4) + waited) != 0u;
-                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((isolated_y1) ? residual_0 : 0.0f),
-                    highest_y1_y3), lowest_y1_y3);
-                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((isolated_y2) ? residual_0 : 0.0f),
-                    highest_y2_y4), lowest_y2_y4);
-                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((isolated_y3) ? residual_0 : 0.0f),
-                    highest_y1_y3), lowest_y1_y3);
-                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((isolated_y4) ? residual_0 : 0.0f),
-                    highest_y2_y4), lowest_y2_y4);
-                bool left_out_now_y1 = isolated_y1;
-                bool left_out_now_y2 = isolated_y2;
-                bool left_out_now_y3 = isolated_y3;
-                bool left_out_now_y4 = isolated_y4;
-                if (redundancy_contradictions_0 < excluded_from) {
-                    left_out_now_y1 = false;
-                    left_out_now_y2 = false;
-                    left_out_now_y3 = false;
-                    left_out_now_y4 = false;
-                }
-                redundancy_excluded_y1_next = maglev_5dof_flag(left_out_now_y1);
-                redundancy_excluded_y2_next = maglev_5dof_flag(left_out_now_y2);
-                redundancy_excluded_y3_next = maglev_5dof_flag(left_out_now_y3);
-                redundancy_excluded_y4_next = maglev_5dof_flag(left_out_now_y4);
-                const uint32_t redundancy_stuck_0_sum = maglev_5dof_flag(repeats_y1 && left_out_now_y1) +
-                    maglev_5dof_flag(repeats_y2 && left_out_now_y2) + maglev_5dof_flag(repeats_y3 && left_out_now_y3) +
-                    maglev_5dof_flag(repeats_y4 && left_out_now_y4) + redundancy_stuck_0;
-                redundancy_stuck_0_next = maglev_5dof_flag(redundancy_stuck_0_sum != 0u);
-                determined = waited == 0u;
-                redundancy_contradictions_0_next = (most_contradictions <= redundancy_contradictions_0) ?
-                    redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
-                redundancy_undecided_0_next = waited;
-            }
-        } else {
-            const bool readmitted_y1 = (redundancy_stuck_0 != 0u) && (redundancy_excluded_y1 != 0u) && !same_y1 &&
-                good_y1;
-            const bool readmitted_y2 = (redundancy_stuck_0 != 0u) && (redundancy_excluded_y2 != 0u) && !same_y2 &&
-                good_y2;
-            const bool readmitted_y3 = (redundancy_stuck_0 != 0u) && (redundancy_excluded_y3 != 0u) && !same_y3 &&
-                good_y3;
-            const bool readmitted_y4 = (redundancy_stuck_0 != 0u) && (redundancy_excluded_y4 != 0u) && !same_y4 &&
-                good_y4;
-            const uint32_t doubted = (readmitted_y1 || readmitted_y2 || readmitted_y3 || readmitted_y4) ? 1u :
-                redundancy_undecided_0;
-            suspect_y1 = (redundancy_excluded_y1 + doubted) != 0u;
-            suspect_y2 = (redundancy_excluded_y2 + doubted) != 0u;
-            suspect_y3 = (redundancy_excluded_y3 + doubted) != 0u;
-            suspect_y4 = (redundancy_excluded_y4 + doubted) != 0u;
-            const uint32_t missing = maglev_5dof_flag((usable_y1) ? false : true) + maglev_5dof_flag((usable_y2) ? false
-                : true) + maglev_5dof_flag((usable_y3) ? false : true) + maglev_5dof_flag((usable_y4) ? false : true);
-            gaps_sufficient = missing <= tolerated_missing;
-            const bool missing_at_most_1 = missing <= 1u;
-            float predicted_y1 = y1_expected;
-            float predicted_y2 = y2_expected;
-            float predicted_y3 = y3_expected;
-            float predicted_y4 = residual_0_without_y4;
-            if (missing_at_most_1) {
-                predicted_y1 = y1_accepted - residual_0;
-                predicted_y2 = y2_accepted + residual_0;
-                predicted_y3 = y3_accepted - residual_0;
-            } else {
-                predicted_y4 = y4_expected;
-            }
-            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : predicted_y1, highest_y1_y3),
-                lowest_y1_y3);
-            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : predicted_y2, highest_y2_y4),
-                lowest_y2_y4);
-            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : predicted_y3, highest_y1_y3),
-                lowest_y1_y3);
-            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted_y4, highest_y2_y4),
-                lowest_y2_y4);
-            determined = missing_at_most_1 && (doubted == 0u);
-            redundancy_excluded_y1_next = maglev_5dof_flag((redundancy_excluded_y1 != 0u) && !readmitted_y1);
-            redundancy_excluded_y2_next = maglev_5dof_flag((redundancy_excluded_y2 != 0u) && !readmitted_y2);
-            redundancy_excluded_y3_next = maglev_5dof_flag((redundancy_excluded_y3 != 0u) && !readmitted_y3);
-            redundancy_excluded_y4_next = maglev_5dof_flag((redundancy_excluded_y4 != 0u) && !readmitted_y4);
-            redundancy_undecided_0_next = doubted;
-        }
-        regular = z_monitor.trusted && x_monitor.trusted && determined;
-        theta_measured = determined;
-        redundancy_degraded_next = ((z_monitor.suspect != 0u) || (x_monitor.suspect != 0u) || suspect_y4 ||
-            suspect_y3 || suspect_y2 || suspect_y1) ? 1u : redundancy_degraded;
-        redundancy_last_residual_0_choice = redundancy_last_residual_0;
-
-        /* guard: range acceptance, hold, latch (continued) */
-        if (suspect_y1) {
-            faults |= 0x00000800u;
-        }
-        if (suspect_y2) {
-            faults |= 0x00001000u;
-        }
-        if (suspect_y3) {
-            faults |= 0x00002000u;
-        }
-        if (suspect_y4) {
-            faults |= 0x00004000u;
-        }
-        if (x_monitor.suspect != 0u) {
-            faults |= 0x00008000u;
-        }
-        if (z_monitor.suspect != 0u) {
-            faults |= 0x00010000u;
-        }
-        if (guard_ready != 0u) {
-            faults |= 0x00020000u;
-        }
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
-        if (diagnostics != NULL) {
-            diagnostics->x_suspect = (float)x_monitor.suspect;
-            diagnostics->z_suspect = (float)z_monitor.suspect;
-            diagnostics->y1_expected = y1_expected;
-            diagnostics->y2_expected = y2_expected;
-            diagnostics->y3_expected = y3_expected;
-            diagnostics->y4_expected = y4_expected;
-            diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
-            diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
-            diagnostics->suspect_y3 = suspect_y3 ? 1.0f : 0.0f;
-            diagnostics->suspect_y4 = suspect_y4 ? 1.0f : 0.0f;
-        }
-#endif
-    }
-
-    /* landing: ramps and state feedback
-     * No integrator takes part, so nothing winds up: the disturbance of the observer does its work. */
-    static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
-    static const float pole_theta = 40.0f;                      /* 1/s; levelling by measurements */
-    static const float predicted_pole_theta = 14.0f;            /* 1/s; levelling by predictions */
-    const float landing_r_y = state->landing_r_y;
-    const uint32_t landing_landing = state->landing_landing;
-    const bool landed = (landing_landing != 0u) && (landed_at <= landing_r_y);
-    const float levelling_pole_w_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
-
-    /* kinematics: pose from the gaps, F(5)
-     *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
-     *     phi = asin(1.25945 * (y3_held - y1_held))
-     *     theta = asin(1.25945 * (y2_held - y4_held)) */
-    const float y2_minus_y4 = y2_held - y4_held;
-    const float theta = y2_minus_y4 * phi_polynomial(y2_minus_y4 * y2_minus_y4);
-    const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
-    const float y3_minus_y1 = y3_held - y1_held;
-    const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
-    bool enough = complete;
-    float theta_disturbance = 0.0f;
-    float theta_estimate = theta;
-    float theta_rate = 0.0f;
-    float damping_theta = 0.0f;
-    float y_disturbance = 0.0f;
-    float y_estimate = y;
-    float y_rate = 0.0f;
-    float phi_estimate = phi;
-    float phi_rate = 0.0f;
-    float phi_disturbance = 0.0f;
-    if (guard_ready != 0u) {
-        /* sufficiency: it can land, is probed
-         *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
-        const bool sufficient = gaps_sufficient && (x_monitor.trusted || z_monitor.trusted);
-        enough = sufficient;
-
-        /* observer_theta: predictive observer, alpha-beta-gamma
-         *     as observer_phi, with theta in place of phi */
-        static const float observer_theta_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
-        static const float observer_theta_alpha = 0.30232367f;  /* 1; triple pole exp(-w T), w = 120 rad/s */
-        static const float observer_theta_beta = 36.192043f;    /* 1/s; triple pole exp(-w T), w = 120 rad/s */
-        static const float observer_theta_gamma = 1445.947f;    /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-        const float nu = theta - observer_theta_q;
-        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu),
-            observer_theta_largest_disturbance);
-        theta_estimate = observer_theta_q + (observer_theta_alpha * nu);
-        const float theta_rate_if_ready = state->observer_theta_v + (observer_theta_beta * nu);
-        theta_rate = theta_rate_if_ready;
-        damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
-
-        /* observer_y: predictive observer, alpha-beta-gamma
-         *     nu = y - q
-         *     rate_ahead = y_rate + T * (delay_w_y_last + y_disturbance)
-         *     y_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
-         *     y_estimate = q + alpha * nu if guard_ready is set, else y
-         *     y_rate = v + beta * nu if guard_ready is set, else 0
-         *     q_next = max(min(y_estimate + half_T * (y_rate + rate_ahead), largest_position), least_position)
-         *     v_next = limit(rate_ahead, largest_rate) */
-        static const float observer_y_largest_disturbance = 50.0f; /* m/s^2; bound of the disturbance */
-        static const float observer_y_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
-        static const float observer_y_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
-        static const float observer_y_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-        const float nu_2 = y - observer_y_q;
-        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_2),
-            observer_y_largest_disturbance);
-        y_estimate = observer_y_q + (observer_y_alpha * nu_2);
-        y_rate = state->observer_y_v + (observer_y_beta * nu_2);
-
-        /* observer_phi: predictive observer, alpha-beta-gamma
-         *     nu = phi - q
-         *     rate_ahead = phi_rate + T * (delay_w_phi_last + phi_disturbance)
-         *     phi_estimate = q + alpha * nu if guard_ready is set, else phi
-         *     phi_rate = v + beta * nu if guard_ready is set, else 0
-         *     phi_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
-         *     q_next = limit(phi_estimate + half_T * (phi_rate + rate_ahead), largest_position)
-         *     v_next = limit(rate_ahead, largest_rate) */
-        static const float observer_phi_largest_disturbance = 200.0f; /* rad/s^2; bound of the disturbance */
-        static const float observer_phi_alpha = 0.30232367f;    /* 1; triple pole exp(-w T), w = 120 rad/s */
-        static const float observer_phi_beta = 36.192043f;      /* 1/s; triple pole exp(-w T), w = 120 rad/s */
-        static const float observer_phi_gamma = 1445.947f;      /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-        const float nu_3 = phi - observer_phi_q;
-        phi_estimate = observer_phi_q + (observer_phi_alpha * nu_3);
-        phi_rate = state->observer_phi_v + (observer_phi_beta * nu_3);
-        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_3),
-            observer_phi_largest_disturbance);
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
-        if (diagnostics != NULL) {
-            diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
-        }
-#endif
-    }
-
-    /* guard: range acceptance, hold, latch (continued) */
-    static const uint32_t latch_samples = 20u;                  /* 1; bad samples in a row until it latches, times 4 */
-    const uint32_t guard_left = state->guard_left;
-    uint32_t gave_up = guard_latched;
-    if (enough) {
-        if (guard_left < latch_samples) {
-            state->guard_left = guard_left + 1u;
-        }
-    } else if (guard_left <= good_per_bad) {
-        gave_up = 1u;
-    } else {
-        state->guard_left = guard_left - good_per_bad;
-    }
-    const uint32_t latched = (landed) ? 1u : gave_up;
-    const uint32_t faults_before = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults :
-        (faults | 0x00040000u);
-
-    /* angles: positions for the commutation
-     *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
-    static const float not_known = 0.2f;                        /* m; outside the range of x and z: it is lost */
-    const float x_commutation = ((latched != 0u) && lost_x) ? not_known : x_monitor.held;
-    out->x_commutation = x_commutation;
-    const float z_commutation = ((latched != 0u) && lost_z) ? not_known : z_monitor.held;
-    out->z_commutation = z_commutation;
-
-    /* safe_output: slew to the safe output once latched */
-    static const float rests_beyond = 0.0305f; /* m; beyond it, once landed, the body lies on the stop */
-    static const float safe_i_d = 2.5f;                         /* A; safe output */
-    static const float slew_step = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    /* sufficiency: it can land, is probed
+     *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
+    const bool sufficient = redundancy_output_2.gaps_sufficient &&
+        (x_monitor_output.trusted || z_monitor_output.trusted);
+    const maglev_5dof_guard_update_t guard_update = maglev_5dof_guard_update(&state->guard, landed, sufficient,
+        complete, guard_latched);
+    const float y = maglev_5dof_kinematics_update(redundancy_output_2.y1_held, redundancy_output_2.y2_held,
+        redundancy_output_2.y3_held, redundancy_output_2.y4_held, diagnostics);
     const float safe_output_last_i_d1 = state->safe_output_last_i_d1;
     const float safe_output_last_i_d2 = state->safe_output_last_i_d2;
     const float safe_output_last_i_d3 = state->safe_output_last_i_d3;
     const float safe_output_last_i_d4 = state->safe_output_last_i_d4;
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
+    const bool lost_x = !x_monitor_output.trusted;
+    const bool lost_z = !z_monitor_output.trusted;
+    const maglev_5dof_angles_t angles = maglev_5dof_angles(guard_update.latched, lost_x, x_monitor_output.held, lost_z,
+        z_monitor_output.held);
+    out->x_commutation = angles.x_commutation;
+    out->z_commutation = angles.z_commutation;
+    uint32_t value = faults;
+    if (!redundancy_output_2.calm) {
+        uint32_t faults_before = faults;
+        if (redundancy_output_2.suspect_y1) {
+            faults_before = faults | 0x00000800u;
+        }
+        if (redundancy_output_2.suspect_y2) {
+            faults_before |= 0x00001000u;
+        }
+        if (redundancy_output_2.suspect_y3) {
+            faults_before |= 0x00002000u;
+        }
+        if (redundancy_output_2.suspect_y4) {
+            faults_before |= 0x00004000u;
+        }
+        if (x_monitor_output.suspect != 0u) {
+            faults_before |= 0x00008000u;
+        }
+        if (z_monitor_output.suspect != 0u) {
+            faults_before |= 0x00010000u;
+        }
+        if (guard_update.value) {
+            value = faults_before | 0x00020000u;
+        } else {
+            value = faults_before;
+        }
+    }
+    const uint32_t faults_before_2 = (guard_output.tolerated) ? value : (value | 0x00040000u);
     uint32_t fault_word;
-    if (latched != 0u) {
+    if (guard_update.latched != 0u) {
         const bool rests = landed && (rests_beyond <= y);
-        const float target_i_d = (rests) ? 0.0f : safe_i_d;
-        state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, target_i_d, slew_step);
-        out->i_d1 = state->safe_output_last_i_d1;
-        state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, target_i_d, slew_step);
-        out->i_d2 = state->safe_output_last_i_d2;
-        state->safe_output_last_i_d3 = maglev_5dof_slew(safe_output_last_i_d3, target_i_d, slew_step);
-        out->i_d3 = state->safe_output_last_i_d3;
-        state->safe_output_last_i_d4 = maglev_5dof_slew(safe_output_last_i_d4, target_i_d, slew_step);
-        out->i_d4 = state->safe_output_last_i_d4;
-        state->safe_output_last_u_x = maglev_5dof_slew(safe_output_last_u_x, 0.0f, slew_step);
-        state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, slew_step);
-        out->i_q2 = state->safe_output_last_u_x;
-        out->i_q4 = state->safe_output_last_u_x;
-        out->i_q1 = state->safe_output_last_u_z;
-        out->i_q3 = state->safe_output_last_u_z;
-        state->guard_latched = 1u;
-        fault_word = faults_before | 0x80000000u;
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+        const maglev_5dof_safe_output_latched_t safe_output_latched = maglev_5dof_safe_output_latched(rests,
+            safe_output_last_i_d1, safe_output_last_i_d2, safe_output_last_i_d3, safe_output_last_i_d4,
+            safe_output_last_u_x, safe_output_last_u_z);
+        state->safe_output_last_i_d1 = safe_output_latched.last_i_d1_next;
+        out->i_d1 = safe_output_latched.last_i_d1_next;
+        state->safe_output_last_i_d2 = safe_output_latched.last_i_d2_next;
+        out->i_d2 = safe_output_latched.last_i_d2_next;
+        state->safe_output_last_i_d3 = safe_output_latched.last_i_d3_next;
+        out->i_d3 = safe_output_latched.last_i_d3_next;
+        state->safe_output_last_i_d4 = safe_output_latched.last_i_d4_next;
+        out->i_d4 = safe_output_latched.last_i_d4_next;
+        state->safe_output_last_u_x = safe_output_latched.last_u_x_next;
+        out->i_q2 = safe_output_latched.last_u_x_next;
+        out->i_q4 = safe_output_latched.last_u_x_next;
+        state->safe_output_last_u_z = safe_output_latched.last_u_z_next;
+        out->i_q1 = safe_output_latched.last_u_z_next;
+        out->i_q3 = safe_output_latched.last_u_z_next;
+        state->guard.latched = 1u;
+        fault_word = faults_before_2 | 0x80000000u;
         if (diagnostics != NULL) {
             diagnostics->rests = rests ? 1.0f : 0.0f;
         }
-#endif
     } else {
-        /* next states of the sections above */
-        static const float lifted = 0.0305f;                    /* m; at a larger gap a stop may hold the platen */
-        state->redundancy_code_y1 = y1_accepted;
-        state->redundancy_still_y1 = still_y1;
-        state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
-        state->redundancy_code_y2 = y2_accepted;
-        state->redundancy_still_y2 = still_y2;
-        state->redundancy_excluded_y2 = redundancy_excluded_y2_next;
-        state->redundancy_code_y3 = y3_accepted;
-        state->redundancy_still_y3 = still_y3;
-        state->redundancy_excluded_y3 = redundancy_excluded_y3_next;
-        state->redundancy_code_y4 = y4_accepted;
-        state->redundancy_still_y4 = still_y4;
-        state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
-        state->redundancy_last_residual_0 = redundancy_last_residual_0_choice;
-        state->redundancy_threshold_0 = redundancy_threshold_0_next;
-        state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
-        state->redundancy_stuck_0 = redundancy_stuck_0_next;
-        state->redundancy_undecided_0 = redundancy_undecided_0_next;
-        state->redundancy_degraded = redundancy_degraded_next;
-        state->observer_y_d = y_disturbance;
-        state->observer_phi_d = phi_disturbance;
-        state->observer_theta_d = theta_disturbance;
-        const bool free = regular && (observer_y_q < lifted);
+        const uint32_t x_frozen = maglev_5dof_monitor_update(&state->x_monitor, x_monitor_output.jumping,
+            x_monitor_output.value, accepted.x, x_monitor_output.unchanged, x_monitor_output.above_gate,
+            x_monitor_output.far, x_monitor_output.same, x_monitor_output.believed, x_monitor_output.before_next);
+        const uint32_t z_frozen = maglev_5dof_monitor_update(&state->z_monitor, z_monitor_output.jumping,
+            z_monitor_output.value, accepted.z, z_monitor_output.unchanged, z_monitor_output.above_gate,
+            z_monitor_output.far, z_monitor_output.same, z_monitor_output.believed, z_monitor_output.before_next);
+        const maglev_5dof_redundancy_update_t redundancy_update = maglev_5dof_redundancy_update(&state->redundancy,
+            redundancy_output_2.calm, z_monitor_output.trusted, x_monitor_output.trusted, redundancy_output_2.whole,
+            redundancy_output_2.agrees, redundancy_output_2.agreeing, redundancy_output_2.waited,
+            redundancy_output_2.value, redundancy_output_2.doubted, accepted.y1, redundancy_output.still_y1_next,
+            redundancy_output_2.isolated_y1, redundancy_output_2.readmitted_y1, accepted.y2,
+            redundancy_output.still_y2_next, redundancy_output_2.isolated_y2, redundancy_output_2.readmitted_y2,
+            accepted.y3, redundancy_output.still_y3_next, redundancy_output_2.isolated_y3,
+            redundancy_output_2.readmitted_y3, accepted.y4, redundancy_output.still_y4_next,
+            redundancy_output_2.isolated_y4, redundancy_output_2.readmitted_y4, redundancy_output_2.repeats_y1,
+            redundancy_output_2.repeats_y2, redundancy_output_2.repeats_y3, redundancy_output_2.repeats_y4,
+            z_monitor_output.suspect, x_monitor_output.suspect, redundancy_output_2.suspect_y4,
+            redundancy_output_2.suspect_y3, redundancy_output_2.suspect_y2, redundancy_output_2.suspect_y1,
+            diagnostics);
+        const bool free = redundancy_update.regular && (observer_y_q < lifted);
+        const maglev_5dof_kinematics_output_t kinematics_output =
+            maglev_5dof_kinematics_output(redundancy_output_2.y3_held, redundancy_output_2.y1_held,
+            redundancy_output_2.y2_held, redundancy_output_2.y4_held, diagnostics);
+        const maglev_5dof_errors_t errors = maglev_5dof_errors(y, accepted.y_ref, x_monitor_output.held, accepted.x_ref,
+            z_monitor_output.held, accepted.z_ref, kinematics_output.phi, accepted.phi_ref, kinematics_output.theta,
+            accepted.theta_ref, diagnostics);
+        const maglev_5dof_regulator_t regulator_y = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator,
+            errors.e_y, state->filter_y_r, state->filter_y_s, guard_ready, state->filter_y_q_prev);
+        const maglev_5dof_regulator_t regulator_phi = maglev_5dof_regulator(&state->regulator_phi,
+            &regulator_phi_regulator, errors.e_phi, state->filter_phi_r, state->filter_phi_s, guard_ready,
+            state->filter_phi_q_prev);
+        state->filter_y_q_prev = errors.e_y;
 
-        /* errors: tracking errors, F(14)
-         *     e_y = y - y_ref_held; likewise e_phi, e_theta
-         *     e_x = x_held - x_ref_held; likewise e_z */
-        const float e_y = y - y_ref_held;
-        const float e_x = x_monitor.held - x_ref_held;
-        const float e_z = z_monitor.held - z_ref_held;
-        const float e_phi = phi - phi_ref_held;
-        const float e_theta = theta - theta_ref_held;
+        /* filter_y: derivative filter
+         * de_y = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
+         *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
+         *     r_next = fade * r + s_next + rho * s */
+        state->filter_y_s = regulator_y.filter_s_next;
+        state->filter_y_r = regulator_y.filter_r_next;
+        const float filter_x_q_prev = state->filter_x_q_prev;
+        state->filter_x_q_prev = errors.e_x;
+        const maglev_5dof_regulator_output_t regulator_x_output = maglev_5dof_regulator_output(&state->regulator_x,
+            errors.e_x, state->filter_x_r, state->filter_x_s, guard_ready, filter_x_q_prev);
 
-        /* functions above: filter, regulator */
-        static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
-            .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
-        static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
-            .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
-        static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
-            .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
-        const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
-        const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y,
-            filter_y_r_next);
-        const float filter_x_r_next = maglev_5dof_filter(&state->filter_x, guard_ready, e_x);
-        const float filter_z_r_next = maglev_5dof_filter(&state->filter_z, guard_ready, e_z);
-        const float filter_phi_r_next = maglev_5dof_filter(&state->filter_phi, guard_ready, e_phi);
-        const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi,
-            filter_phi_r_next);
-        const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
-        const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator,
-            e_theta, filter_theta_r_next);
+        /* filter_x: derivative filter
+         * de_x = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
+         *     as filter_y, with x in place of y */
+        state->filter_x_s = regulator_x_output.filter_s_next;
+        state->filter_x_r = regulator_x_output.filter_r_next;
+        const float filter_z_q_prev = state->filter_z_q_prev;
+        state->filter_z_q_prev = errors.e_z;
+        const maglev_5dof_regulator_output_t regulator_z_output = maglev_5dof_regulator_output(&state->regulator_z,
+            errors.e_z, state->filter_z_r, state->filter_z_s, guard_ready, filter_z_q_prev);
 
-        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
-        static const float observer_phi_largest_position = 0.02f; /* rad; bound of the prediction */
-        static const float observer_phi_largest_rate = 4.0f;    /* rad/s; bound of the predicted rate */
-        const float rate_ahead = phi_rate + (T * (state->delay_w_phi_last + phi_disturbance));
-        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (half_T * (phi_rate + rate_ahead)),
-            observer_phi_largest_position);
-        state->observer_phi_v = maglev_5dof_limit(rate_ahead, observer_phi_largest_rate);
+        /* filter_z: derivative filter
+         * de_z = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
+         *     as filter_y, with z in place of y */
+        state->filter_z_s = regulator_z_output.filter_s_next;
+        state->filter_z_r = regulator_z_output.filter_r_next;
+        state->filter_phi_q_prev = errors.e_phi;
 
-        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
-        static const float observer_theta_largest_position = 0.031f; /* rad; bound of the prediction */
-        static const float observer_theta_largest_rate = 4.0f;  /* rad/s; bound of the predicted rate */
-        const float rate_ahead_2 = theta_rate + (T * (state->delay_w_theta_last + theta_disturbance));
-        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (half_T * (theta_rate + rate_ahead_2)),
-            observer_theta_largest_position);
-        state->observer_theta_v = maglev_5dof_limit(rate_ahead_2, observer_theta_largest_rate);
+        /* filter_phi: derivative filter
+         * de_phi = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
+         *     as filter_y, with phi in place of y */
+        state->filter_phi_s = regulator_phi.filter_s_next;
+        state->filter_phi_r = regulator_phi.filter_r_next;
+        const float filter_theta_q_prev = state->filter_theta_q_prev;
+        state->filter_theta_q_prev = errors.e_theta;
+        const maglev_5dof_regulator_t regulator_theta = maglev_5dof_regulator(&state->regulator_theta,
+            &regulator_theta_regulator, errors.e_theta, state->filter_theta_r, state->filter_theta_s, guard_ready,
+            filter_theta_q_prev);
 
-        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
-        static const float observer_y_largest_position = 0.0345f; /* m; bound of the prediction */
-        static const float least_position = 0.0145f;            /* m; bound of the prediction */
-        static const float observer_y_largest_rate = 4.0f;      /* m/s; bound of the predicted rate */
-        const float rate_ahead_3 = y_rate + (T * (state->delay_w_y_last + y_disturbance));
-        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (half_T * (y_rate + rate_ahead_3)),
-            observer_y_largest_position), least_position);
-        state->observer_y_v = maglev_5dof_limit(rate_ahead_3, observer_y_largest_rate);
-
-        /* functions above: observer */
-        state->x_monitor.code = x_accepted;
-        state->x_monitor.still = x_monitor.unchanged;
-        state->x_monitor.excluded = x_monitor.excluded_next;
-        state->x_monitor.doubts = x_monitor.doubts_next;
-        state->x_monitor.before = x_monitor.before_next;
-        state->x_monitor.jumps = x_monitor.jumps_next;
+        /* filter_theta: derivative filter
+         * de_theta = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
+         *     as filter_y, with theta in place of y */
+        state->filter_theta_s = regulator_theta.filter_s_next;
+        state->filter_theta_r = regulator_theta.filter_r_next;
+        const maglev_5dof_observer_theta_t observer_theta = maglev_5dof_observer_theta(&state->observer_theta,
+            guard_ready, kinematics_output.theta, state->delay_w_theta_last, diagnostics);
+        const maglev_5dof_observer_y_t observer_y = maglev_5dof_observer_y(&state->observer_y, guard_ready, y,
+            state->delay_w_y_last, diagnostics);
         const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready,
-            x_monitor.trusted, x_monitor.held, x_monitor.diverges, x_monitor.frozen, state->delay_a_x_last,
-            x_monitor.unchanged);
-        state->z_monitor.code = z_accepted;
-        state->z_monitor.still = z_monitor.unchanged;
-        state->z_monitor.excluded = z_monitor.excluded_next;
-        state->z_monitor.doubts = z_monitor.doubts_next;
-        state->z_monitor.before = z_monitor.before_next;
-        state->z_monitor.jumps = z_monitor.jumps_next;
+            x_monitor_output.trusted, x_monitor_output.held, x_frozen, state->delay_a_x_last,
+            x_monitor_output.unchanged);
         const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready,
-            z_monitor.trusted, z_monitor.held, z_monitor.diverges, z_monitor.frozen, state->delay_a_z_last,
-            z_monitor.unchanged);
-
-        /* landing: ramps and state feedback (continued)
-         *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
-         *         (observer_theta_v + observer_theta_beta * (theta - observer_theta_q))) if guard_ready is set,
-         *         else 0
-         *     w_theta = -((pole_theta if theta_measured is set, else predicted_pole_theta)^2 * theta_estimate +
-         *         damping_theta + theta_disturbance) if landing_next is set, else w_theta_tracking
-         *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
-         *     ramp_rate_next_y = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
-         *         acceleration_step_y)
-         *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
-         *         (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance if landing_next is set, else
-         *         w_y_tracking
-         *     ramp_rate_next_x = max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step);
-         *         likewise ramp_rate_next_z
-         *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
-         *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
-         *         w_x_tracking; likewise w_z_unprobed
-         *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
-         *         else (left if landing_patience <= left, else left + 1)
-         *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
-         *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if landing
-         *         is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
-         *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), 0.5) if landing is set, else
-         *         x_estimate) if landing_next is set, else r_x; likewise r_z_next */
-        static const float spring_phi = 11250.0f;               /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
-        static const float ramp_end = 0.0326f;                  /* m; bound of the ramp: it is over before */
-        static const float stop = 0.031f;                       /* m; gap of the stop on which it lands */
-        static const float approach = 25.0f;                    /* 1/s; acceleration over largest speed */
-        static const float touch_speed = 0.005f;                /* m/s; speed of the ramp at the stop */
-        static const float largest_speed = 0.08f;               /* m/s; largest speed of the ramp */
-        static const float press_speed = 0.001f;                /* m/s; least speed of the ramp, behind the stop */
-        static const float acceleration_step_y = 0.002f;        /* m/s; T times 2 m/s^2 of the ramp */
-        static const float stiffness_y = 3600.0f;               /* 1/s^2; p^2, p = 60 1/s */
-        static const float damping_y = 120.0f;                  /* 1/s; 2 p, p = 60 1/s */
-        static const float inverse_T = 1000.0f;                 /* 1/s; 1 / sample period */
-        static const float acceleration_y = 2.0f;               /* m/s^2; largest one of the ramp */
-        /* m/s; bound of the ramp's rate: wider than any estimate; of y, x, z */
-        static const float ramp_rate_bound = 10.0f;
-        static const float acceleration_step = 0.004f;          /* m/s; T times 4 m/s^2 of the ramp; of x, z */
-        static const float stiffness = 900.0f;                  /* 1/s^2; p^2, p = 30 1/s; of x, z */
-        static const float damping = 60.0f;                     /* 1/s; 2 p, p = 30 1/s; of x, z */
-        static const float acceleration = 4.0f;                 /* m/s^2; largest one of the ramp; of x, z */
-        /* 1; samples in a row with a prediction until it lands, times 4 */
-        static const uint32_t landing_patience = 20u;
-        const bool waiting = !regular && (guard_ready != 0u);
-        const uint32_t landing_left = state->landing_left;
-        const bool left_at_most_4 = landing_left <= good_per_bad;
-        uint32_t landing = 1u;
-        if (waiting && left_at_most_4) {
-            state->landing_landing = 1u;
+            z_monitor_output.trusted, z_monitor_output.held, z_frozen, state->delay_a_z_last,
+            z_monitor_output.unchanged);
+        const maglev_5dof_landing_t landing = maglev_5dof_landing(&state->landing, redundancy_update.regular,
+            guard_ready, kinematics_output.phi, regulator_phi.w_tracking, redundancy_update.theta_measured,
+            observer_theta.theta_rate_if_ready, observer_theta.theta_estimate, observer_theta.theta_disturbance,
+            regulator_theta.w_tracking, observer_y.y_estimate, observer_y.y_rate, observer_y.y_disturbance,
+            regulator_y.w_tracking, observer_x.estimate, observer_x.rate, observer_x.disturbance,
+            regulator_x_output.w_tracking, observer_z.estimate, observer_z.rate, observer_z.disturbance,
+            regulator_z_output.w_tracking, diagnostics);
+        const float w_x = maglev_5dof_probe(&state->probe_x, x_monitor_output.unchanged, landing.w_x_unprobed, free,
+            errors.e_x);
+        const float w_z = maglev_5dof_probe(&state->probe_z, z_monitor_output.unchanged, landing.w_z_unprobed, free,
+            errors.e_z);
+        const maglev_5dof_decoupling_t decoupling = maglev_5dof_decoupling(redundancy_output_2.y1_held,
+            safe_output_last_u_z, safe_output_last_i_d1, redundancy_output_2.y2_held, safe_output_last_u_x,
+            safe_output_last_i_d2, redundancy_output_2.y3_held, safe_output_last_i_d3, redundancy_output_2.y4_held,
+            safe_output_last_i_d4, landing.w_y, landing.w_phi, kinematics_output.phi, landing.w_theta,
+            kinematics_output.theta, w_x, w_z, diagnostics);
+        const maglev_5dof_handover_t handover = maglev_5dof_handover(&state->handover, lost_x, lost_z, observer_y_q,
+            x_monitor_output.trusted, z_monitor_output.trusted, decoupling.i_d1_balanced, decoupling.i_d3_balanced,
+            decoupling.u_x_computed, decoupling.i_d2_balanced, decoupling.i_d4_balanced, decoupling.u_z_computed);
+        const maglev_5dof_accelerations_t accelerations = maglev_5dof_accelerations(decoupling.u_x_computed,
+            decoupling.h_x, decoupling.u_z_computed, decoupling.h_z, diagnostics);
+        maglev_5dof_observer_phi(&state->observer_phi, guard_ready, kinematics_output.phi, state->delay_w_phi_last,
+            diagnostics);
+        state->safe_output_last_i_d1 = handover.i_d1_computed;
+        out->i_d1 = handover.i_d1_computed;
+        state->safe_output_last_i_d2 = handover.i_d2_computed;
+        out->i_d2 = handover.i_d2_computed;
+        state->safe_output_last_i_d3 = handover.i_d3_computed;
+        out->i_d3 = handover.i_d3_computed;
+        state->safe_output_last_i_d4 = handover.i_d4_computed;
+        out->i_d4 = handover.i_d4_computed;
+        state->safe_output_last_u_x = decoupling.u_x_computed;
+        out->i_q2 = decoupling.u_x_computed;
+        out->i_q4 = decoupling.u_x_computed;
+        state->safe_output_last_u_z = decoupling.u_z_computed;
+        out->i_q1 = decoupling.u_z_computed;
+        out->i_q3 = decoupling.u_z_computed;
+        state->delay_w_y_last = landing.w_y;
+        state->delay_a_x_last = accelerations.a_x;
+        state->delay_a_z_last = accelerations.a_z;
+        state->delay_w_phi_last = landing.w_phi;
+        state->delay_w_theta_last = landing.w_theta;
+        if (landing.landing_next != 0u) {
+            fault_word = faults_before_2 | 0x40000000u;
         } else {
-            landing = landing_landing;
+            fault_word = faults_before_2;
         }
-        if (waiting) {
-            if (!left_at_most_4) {
-                state->landing_left = landing_left - good_per_bad;
-            }
-        } else {
-            if (landing_left < landing_patience) {
-                state->landing_left = landing_left + 1u;
-            }
-        }
-        const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
-        const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
-        float w_phi;
-        float w_theta;
-        float w_y;
-        float w_x_unprobed;
-        float w_z_unprobed;
-        if (landing != 0u) {
-            fault_word = faults_before | 0x40000000u;
-            const float y_estimate_min_ramp_end = maglev_5dof_min(y_estimate, ramp_end);
-            float ramp_y = landing_r_y;
-            float ramp_rate_y = y_rate;
-            float ramp_x = observer_x.estimate;
-            float ramp_rate_x;
-            float ramp_z = observer_z.estimate;
-            float ramp_rate_z;
-            if (landing_landing != 0u) {
-                ramp_rate_y = state->landing_dr_y;
-                ramp_x = state->landing_r_x;
-                ramp_rate_x = state->landing_dr_x;
-                ramp_z = state->landing_r_z;
-                ramp_rate_z = state->landing_dr_z;
-            } else {
-                ramp_y = y_estimate_min_ramp_end;
-                ramp_rate_x = maglev_5dof_limit(observer_x.rate, ramp_rate_bound);
-                ramp_rate_z = maglev_5dof_limit(observer_z.rate, ramp_rate_bound);
-            }
-            const float ramp_target_y = maglev_5dof_max(maglev_5dof_min(touch_speed + (approach * (stop - ramp_y)),
-                largest_speed), press_speed);
-            const float ramp_rate_next_y = maglev_5dof_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
-            const float ramp_rate_next_x = maglev_5dof_slew(ramp_rate_x, 0.0f, acceleration_step);
-            w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
-                (maglev_5dof_limit(inverse_T * (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance);
-            w_x_unprobed = (stiffness * (ramp_x - observer_x.estimate)) + (damping * (ramp_rate_x - observer_x.rate)) +
-                (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x.disturbance);
-            w_z_unprobed = (stiffness * (ramp_z - observer_z.estimate)) + (damping * (ramp_rate_z - observer_z.rate)) +
-                (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z.disturbance);
-            const float ramp_rate_next_z = maglev_5dof_slew(ramp_rate_z, 0.0f, acceleration_step);
-            if (landing_landing != 0u) {
-                state->landing_r_y = maglev_5dof_max(maglev_5dof_min(ramp_y +
-                    (half_T * (ramp_rate_y + ramp_rate_next_y)), ramp_end), -0.5f);
-                state->landing_r_x = maglev_5dof_limit(ramp_x + (half_T * (ramp_rate_x + ramp_rate_next_x)), 0.5f);
-                state->landing_r_z = maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + ramp_rate_next_z)), 0.5f);
-            } else {
-                state->landing_r_y = y_estimate_min_ramp_end;
-                state->landing_r_x = observer_x.estimate;
-                state->landing_r_z = observer_z.estimate;
-            }
-            state->landing_dr_y = ramp_rate_next_y;
-            state->landing_dr_x = ramp_rate_next_x;
-            state->landing_dr_z = ramp_rate_next_z;
-            w_phi = -spring_phi * phi;
-            w_theta = -((levelling_pole_w_theta * levelling_pole_w_theta * theta_estimate) + damping_theta +
-                theta_disturbance);
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
-            if (diagnostics != NULL) {
-                diagnostics->x_estimate = observer_x.estimate;
-                diagnostics->x_rate = observer_x.rate;
-                diagnostics->x_disturbance = observer_x.disturbance;
-                diagnostics->z_estimate = observer_z.estimate;
-                diagnostics->z_rate = observer_z.rate;
-                diagnostics->z_disturbance = observer_z.disturbance;
-            }
-#endif
-        } else {
-            w_y = w_y_tracking;
-            w_x_unprobed = w_x_tracking;
-            w_z_unprobed = w_z_tracking;
-            w_phi = w_phi_tracking;
-            w_theta = w_theta_tracking;
-            fault_word = faults_before;
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
-            if (diagnostics != NULL) {
-                diagnostics->w_y_tracking = w_y_tracking;
-                diagnostics->w_x_tracking = w_x_tracking;
-                diagnostics->w_z_tracking = w_z_tracking;
-                diagnostics->w_phi_tracking = w_phi_tracking;
-                diagnostics->w_theta_tracking = w_theta_tracking;
-            }
-#endif
-        }
-
-        /* probe_x: probe at rest
-         *     runs = 1 <= sample
-         *     active = runs or quiet_samples <= x_unchanged
-         *     one_more = attempt + 1
-         *     ends = pair_samples <= sample
-         *     sample_next = ((0 if ends, else sample + 1) if runs, else free) if active, else 0
-         *     attempt_next = ((((attempt if x_unanswered, else one_more) if pair_samples <= x_unchanged, else 0)
-         *         if ends, else attempt) if runs, else attempt) if active, else 0
-         *     towards_next = (towards if runs, else (-first_push if 0 < e_x, else first_push)) if active, else
-         *         towards */
-        const uint32_t probe_x_sample = state->probe_x_sample;
-        const bool runs = 1u <= probe_x_sample;
-        float w_x = w_x_unprobed;
-        if (runs || (quiet_samples <= x_monitor.unchanged)) {
-            if (runs) {
-                const uint32_t one_more = probe_x_attempt + 1u;
-                float pulse = 0.0f;
-                if (probe_x_sample <= last_push_end) {
-                    const float push = state->probe_x_towards * (float)one_more;
-                    pulse = ((first_push_end < probe_x_sample) && (probe_x_sample <= reverse_push_end)) ? -push : push;
-                }
-                w_x = maglev_5dof_limit(w_x_unprobed + pulse, largest_demand);
-                if (pair_samples <= probe_x_sample) {
-                    state->probe_x_sample = 0u;
-                    state->probe_x_attempt = (pair_samples <= x_monitor.unchanged) ?
-                        ((x_unanswered) ? probe_x_attempt : one_more) : 0u;
-                } else {
-                    state->probe_x_sample = probe_x_sample + 1u;
-                }
-            } else {
-                state->probe_x_sample = maglev_5dof_flag(free);
-                state->probe_x_towards = (0.0f < e_x) ? -first_push : first_push;
-            }
-        } else {
-            state->probe_x_sample = 0u;
-            state->probe_x_attempt = 0u;
-        }
-
-        /* probe_z: probe at rest
-         *     as probe_x, with z in place of x */
-        const uint32_t probe_z_sample = state->probe_z_sample;
-        const bool runs_2 = 1u <= probe_z_sample;
-        float w_z = w_z_unprobed;
-        if (runs_2 || (quiet_samples <= z_monitor.unchanged)) {
-            if (runs_2) {
-                const uint32_t one_more_2 = probe_z_attempt + 1u;
-                float pulse_2 = 0.0f;
-                if (probe_z_sample <= last_push_end) {
-                    const float push_2 = state->probe_z_towards * (float)one_more_2;
-                    pulse_2 = ((first_push_end < probe_z_sample) && (probe_z_sample <= reverse_push_end)) ? -push_2 :
-                        push_2;
-                }
-                w_z = maglev_5dof_limit(w_z_unprobed + pulse_2, largest_demand);
-                if (pair_samples <= probe_z_sample) {
-                    state->probe_z_sample = 0u;
-                    state->probe_z_attempt = (pair_samples <= z_monitor.unchanged) ?
-                        ((z_unanswered) ? probe_z_attempt : one_more_2) : 0u;
-                } else {
-                    state->probe_z_sample = probe_z_sample + 1u;
-                }
-            } else {
-                state->probe_z_sample = maglev_5dof_flag(free);
-                state->probe_z_towards = (0.0f < e_z) ? -first_push : first_push;
-            }
-        } else {
-            state->probe_z_sample = 0u;
-            state->probe_z_attempt = 0u;
-        }
-
-        /* decoupling: direct and thrust currents, F(8), F(12)
-         *     thrust_per_ampere_1 = 35.0903 * ((1 - 0.00211667 / (y1_held + 0.00635 + 0.005)) / (0.01905 /
-         *         (0.01905 - 1.27324 * (y1_held * (0.00635 / y1_held * atan(0.00635 / y1_held) - log(sqrt(1 +
-         *         (0.00635 / y1_held)^2))))) * sinh(54.971 * (0.005 + y1_held)))); likewise thrust_per_ampere_2,
-         *         thrust_per_ampere_3, thrust_per_ampere_4
-         *     half_a_over_h2_1 = 0.0701829 * (0.01905 / (0.01905 - 1.27324 * (y1_held * (0.00635 / y1_held *
-         *         atan(0.00635 / y1_held) - log(sqrt(1 + (0.00635 / y1_held)^2))))))^2 / (1 - 0.00211667 /
-         *         (y1_held + 0.00635 + 0.005)); likewise half_a_over_h2_2, half_a_over_h2_3, half_a_over_h2_4
-         *     half_c_1 = thrust_per_ampere_1^2 * (half_c_over_h2 + slot_pull / (y1_held + gap_offset)); likewise
-         *         half_c_2, half_c_3, half_c_4
-         *     half_load_1 = half_a_1 + half_c_1 * (safe_output_last_u_z^2 + safe_output_last_i_d1^2); likewise
-         *         half_load_2, half_load_3, half_load_4
-         *     inverse_b_1 = 1 / sqrt(thrust_per_ampere_1^2 + discriminant_factor * (half_a_1 * half_c_1));
-         *         likewise inverse_b_2, inverse_b_3, inverse_b_4
-         *     half_force = half_M_y * (w_y - G) + half_load_1 + half_load_2 + half_load_3 + half_load_4
-         *     half_force_phi = half_I_over_r * (w_phi + compensated_k_s_phi * phi) + half_load_3 - half_load_1;
-         *         likewise half_force_theta
-         *     half_force_1_3 = ((inverse_b_2 + inverse_b_4) * half_force + (inverse_b_2 - inverse_b_4) *
-         *         half_force_theta - (inverse_b_3 - inverse_b_1) * half_force_phi) / (inverse_b_1 + inverse_b_3 +
-         *         inverse_b_2 + inverse_b_4)
-         *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
-         *         i_d4_balanced^2))); likewise u_z_computed */
-        static const float gap_offset = 0.009233333f;           /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
-        static const float slot_pull = 1.530832e-06f;           /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
-        /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
-        static const float half_c_over_h2 = 0.0007232277f;
-        /* 1; 4 a c = 16 half_a half_c; b^2 = h^2 + 4 a c as coth^2 = 1 + 1/sinh^2 in (2)-(4) */
-        static const float discriminant_factor = 16.0f;
-        static const float G = 9.81f;                           /* m/s^2; standard gravity to three digits */
-        static const float half_M_y = 3.45f;                    /* kg; M_y / 2, M_y = 6.9 kg */
-        static const float compensated_k_s_phi = 11250.0f;      /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
-        /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad; I_z / (2 r), r = 0.397 m, I_z = 0.5268 kg
-         * m^2/rad; of x, z */
-        static const float half_I_over_r = 0.66347605f;
-        static const float compensated_k_s_theta = 2850.0f;     /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
-        /* A; largest direct current, rms: a little below the current limit */
-        static const float direct_limit = 4.9492526f;
-        static const float M_x = 10.6f;                         /* kg; Table I */
-        static const float squared_current_limit = 24.5f;       /* A^2; square of the current limit, 7 A peak */
-        static const float M_z = 8.6f;                          /* kg; Table I */
-        const float slot_effect_y1_held = slot_pull / (y1_held + gap_offset);
-        const float thrust_per_ampere_1_argument = slot_effect_y1_held - 4.196167e-05f;
-        const float thrust_per_ampere_1 = thrust_per_ampere_polynomial(thrust_per_ampere_1_argument);
-        const float half_a_over_h2_1 = half_a_over_h2_polynomial(thrust_per_ampere_1_argument);
-        const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
-        const float half_a_1 = thrust_per_ampere_1_squared * half_a_over_h2_1;
-        const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
-        const float last_u_z_squared = safe_output_last_u_z * safe_output_last_u_z;
-        const float half_load_1 = half_a_1 +
-            (half_c_1 * (last_u_z_squared + (safe_output_last_i_d1 * safe_output_last_i_d1)));
-        const float inverse_b_1 = 1.0f /
-            sqrtf(thrust_per_ampere_1_squared + (discriminant_factor * (half_a_1 * half_c_1)));
-        const float slot_effect_y2_held = slot_pull / (y2_held + gap_offset);
-        const float thrust_per_ampere_2_argument = 16384.0f * (slot_effect_y2_held - 3.4332275e-05f);
-        const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
-        const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
-        const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
-        const float half_a_2 = thrust_per_ampere_2_squared * half_a_over_h2_2;
-        const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
-        const float last_u_x_squared = safe_output_last_u_x * safe_output_last_u_x;
-        const float half_load_2 = half_a_2 +
-            (half_c_2 * (last_u_x_squared + (safe_output_last_i_d2 * safe_output_last_i_d2)));
-        const float inverse_b_2 = 1.0f /
-            sqrtf(thrust_per_ampere_2_squared + (discriminant_factor * (half_a_2 * half_c_2)));
-        const float slot_effect_y3_held = slot_pull / (y3_held + gap_offset);
-        const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
-        const float thrust_per_ampere_3 = thrust_per_ampere_polynomial(thrust_per_ampere_3_argument);
-        const float half_a_over_h2_3 = half_a_over_h2_polynomial(thrust_per_ampere_3_argument);
-        const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
-        const float half_a_3 = thrust_per_ampere_3_squared * half_a_over_h2_3;
-        const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
-        const float half_load_3 = half_a_3 +
-            (half_c_3 * (last_u_z_squared + (safe_output_last_i_d3 * safe_output_last_i_d3)));
-        const float inverse_b_3 = 1.0f /
-            sqrtf(thrust_per_ampere_3_squared + (discriminant_factor * (half_a_3 * half_c_3)));
-        const float slot_effect_y4_held = slot_pull / (y4_held + gap_offset);
-        const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
-        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
-        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_4_argument);
-        const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
-        const float half_a_4 = thrust_per_ampere_4_squared * half_a_over_h2_4;
-        const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
-        const float half_load_4 = half_a_4 +
-            (half_c_4 * (last_u_x_squared + (safe_output_last_i_d4 * safe_output_last_i_d4)));
-        const float inverse_b_4 = 1.0f /
-            sqrtf(thrust_per_ampere_4_squared + (discriminant_factor * (half_a_4 * half_c_4)));
-        const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
-        const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) +
-            (half_load_3 - half_load_1);
-        const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) +
-            (half_load_2 - half_load_4);
-        const float inverse_b_2_plus_inverse_b_4 = inverse_b_2 + inverse_b_4;
-        const float half_force_1_3_numerator = (inverse_b_2_plus_inverse_b_4 * half_force) +
-            ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
-        const float half_force_1_3 = half_force_1_3_numerator /
-            (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
-        const float half_force_2_4 = half_force - half_force_1_3;
-        const float i_d1_balanced = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
-        const float i_d2_balanced = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
-        const float i_d3_balanced = maglev_5dof_limit((half_force_1_3 + half_force_phi) * inverse_b_3, direct_limit);
-        const float i_d4_balanced = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
-        const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
-        const float u_x_demand = -M_x * w_x / h_x;
-        const float room_u_x = sqrtf(squared_current_limit -
-            maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
-        const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x);
-        const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
-        const float u_z_demand = -M_z * w_z / h_z;
-        const float room_u_z = sqrtf(squared_current_limit -
-            maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
-        const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z);
-        const float excess_x = u_x_computed - u_x_demand;
-        const float excess_z = u_z_computed - u_z_demand;
-        state->safe_output_last_u_x = u_x_computed;
-        state->safe_output_last_u_z = u_z_computed;
-
-        /* accelerations: F(6)
-         *     a_x = -inverse_M_x * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)); likewise a_z */
-        static const float inverse_M_x = 0.094339624f;          /* 1/kg; 1 / M_x, M_x = 10.6 kg */
-        static const float inverse_M_z = 0.11627907f;           /* 1/kg; 1 / M_z, M_z = 8.6 kg */
-        const float a_x = -inverse_M_x * (u_x_computed * h_x);
-        const float a_z = -inverse_M_z * (u_z_computed * h_z);
-
-        /* thrust_allocation: F(6)
-         *     i_q1 = u_z; likewise i_q2, i_q3, i_q4 */
-        out->i_q2 = u_x_computed;
-        out->i_q4 = u_x_computed;
-        out->i_q1 = u_z_computed;
-        out->i_q3 = u_z_computed;
-        maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
-        maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
-
-        /* delay: delay of one sample
-         *     w_y_last_next = w_y; likewise w_phi_last_next, w_theta_last_next
-         *     a_x_last_next = a_x; likewise a_z_last_next */
-        state->delay_w_y_last = w_y;
-        state->delay_a_x_last = a_x;
-        state->delay_a_z_last = a_z;
-        state->delay_w_phi_last = w_phi;
-        state->delay_w_theta_last = w_theta;
-
-        /* handover: direct currents without x or z; meanwhile |i_d| + |i_q| of a motor is limited, at once
-         * Thrust has priority over lift: an i_d that repels drives the platen along the lost axis, away from an
-         * angle that is predicted or stale, where i_q only loses the cosine of the error. So i_d fades out of the
-         * motors along that axis, and is cut where i_q leaves no room.
-         * Without the direct currents along X the guide spring alone holds theta. At gaps below held_by_spring it is
-         * weaker than the magnets, so there the handover along X waits for the landing to lower the platen.
-         * The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut
-         * at once, at most from 3.5 A to 1.45 A beside 3.5 A of thrust.
-         *     faded_transfer = max(min(target, transfer + fade_step), transfer - fade_step)
-         *     i_d1_computed = (1 - part_z) * limit(i_d1_balanced + handed_z, room_z) if not x_trusted or not
-         *         z_trusted or 0 < transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed,
-         *         i_d4_computed
-         *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
-        static const float held_by_spring = 0.022f;             /* m; at smaller gaps theta needs the motors along X */
-        static const float fade_step = 0.04f; /* 1; 1 / 25: a handover, and a fade, takes 25 samples */
-        /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
-        static const float current_limit = 4.9497476f;
-        const float handover_transfer = state->handover_transfer;
-        if (lost_x || lost_z || (0.0f < (handover_transfer * handover_transfer))) {
-            const float target = (lost_x && (lost_z || (observer_y_q < held_by_spring))) ? handover_transfer :
-                ((x_monitor.trusted) ? ((z_monitor.trusted) ? 0.0f : -1.0f) : 1.0f);
-            const float faded_transfer = maglev_5dof_slew(handover_transfer, target, fade_step);
-            const bool of_x = 0.0f < faded_transfer;
-            const float part = fabsf(faded_transfer);
-            const float part_x = (of_x) ? part : 0.0f;
-            const float part_z = (of_x) ? 0.0f : part;
-            const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-            const float room_x = current_limit - fabsf(u_x_computed);
-            const float remainder_x = 1.0f - part_x;
-            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x, room_x);
-            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x, room_x);
-            const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
-            const float room_z = current_limit - fabsf(u_z_computed);
-            const float remainder_z = 1.0f - part_z;
-            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_z);
-            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_z);
-            state->handover_transfer = faded_transfer;
-            out->i_d2 = state->safe_output_last_i_d2;
-            out->i_d4 = state->safe_output_last_i_d4;
-            out->i_d1 = state->safe_output_last_i_d1;
-            out->i_d3 = state->safe_output_last_i_d3;
-        } else {
-            /* safe_output: slew to the safe output once latched (continued) */
-            state->safe_output_last_i_d1 = i_d1_balanced;
-            out->i_d1 = i_d1_balanced;
-            state->safe_output_last_i_d2 = i_d2_balanced;
-            out->i_d2 = i_d2_balanced;
-            state->safe_output_last_i_d3 = i_d3_balanced;
-            out->i_d3 = i_d3_balanced;
-            state->safe_output_last_i_d4 = i_d4_balanced;
-            out->i_d4 = i_d4_balanced;
-        }
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+        maglev_5dof_regulator_update(&state->regulator_x, errors.e_x, decoupling.excess_x);
+        maglev_5dof_regulator_update(&state->regulator_z, errors.e_z, decoupling.excess_z);
         if (diagnostics != NULL) {
+            diagnostics->x_unchanged = (float)x_monitor_output.unchanged;
+            diagnostics->x_frozen = (float)x_frozen;
+            diagnostics->z_unchanged = (float)z_monitor_output.unchanged;
+            diagnostics->z_frozen = (float)z_frozen;
             diagnostics->free = free ? 1.0f : 0.0f;
-            diagnostics->e_y = e_y;
-            diagnostics->e_x = e_x;
-            diagnostics->e_z = e_z;
-            diagnostics->e_phi = e_phi;
-            diagnostics->e_theta = e_theta;
-            diagnostics->x_frozen = (float)x_monitor.frozen;
-            diagnostics->x_unchanged = (float)x_monitor.unchanged;
-            diagnostics->x_diverges = x_monitor.diverges ? 1.0f : 0.0f;
-            diagnostics->z_frozen = (float)z_monitor.frozen;
-            diagnostics->z_unchanged = (float)z_monitor.unchanged;
-            diagnostics->z_diverges = z_monitor.diverges ? 1.0f : 0.0f;
-            diagnostics->w_phi = w_phi;
-            diagnostics->w_theta = w_theta;
-            diagnostics->w_y = w_y;
-            diagnostics->w_x_unprobed = w_x_unprobed;
-            diagnostics->w_z_unprobed = w_z_unprobed;
+            diagnostics->w_y_tracking = regulator_y.w_tracking;
+            diagnostics->w_x_tracking = regulator_x_output.w_tracking;
+            diagnostics->w_z_tracking = regulator_z_output.w_tracking;
+            diagnostics->w_phi_tracking = regulator_phi.w_tracking;
+            diagnostics->w_theta_tracking = regulator_theta.w_tracking;
+            diagnostics->x_estimate = observer_x.estimate;
+            diagnostics->x_rate = observer_x.rate;
+            diagnostics->x_disturbance = observer_x.disturbance;
+            diagnostics->z_estimate = observer_z.estimate;
+            diagnostics->z_rate = observer_z.rate;
+            diagnostics->z_disturbance = observer_z.disturbance;
             diagnostics->w_x = w_x;
             diagnostics->w_z = w_z;
-            diagnostics->i_d1_balanced = i_d1_balanced;
-            diagnostics->i_d2_balanced = i_d2_balanced;
-            diagnostics->i_d3_balanced = i_d3_balanced;
-            diagnostics->i_d4_balanced = i_d4_balanced;
-            diagnostics->excess_x = excess_x;
-            diagnostics->excess_z = excess_z;
-            diagnostics->a_x = a_x;
-            diagnostics->a_z = a_z;
-            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z) ? 0x00000020u : 0u;
         }
-#endif
     }
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
+        diagnostics->x_usual = x_monitor_output.usual ? 1.0f : 0.0f;
         diagnostics->z_unanswered = z_unanswered ? 1.0f : 0.0f;
-        diagnostics->sound = sound ? 1.0f : 0.0f;
-        diagnostics->x_usual = x_monitor.usual ? 1.0f : 0.0f;
-        diagnostics->x_trusted = x_monitor.trusted ? 1.0f : 0.0f;
-        diagnostics->z_usual = z_monitor.usual ? 1.0f : 0.0f;
-        diagnostics->z_trusted = z_monitor.trusted ? 1.0f : 0.0f;
-        diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
-        diagnostics->y1_held = y1_held;
-        diagnostics->y2_held = y2_held;
-        diagnostics->y3_held = y3_held;
-        diagnostics->y4_held = y4_held;
-        diagnostics->regular = regular ? 1.0f : 0.0f;
-        diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
+        diagnostics->z_usual = z_monitor_output.usual ? 1.0f : 0.0f;
+        diagnostics->x_suspect = (float)x_monitor_output.suspect;
+        diagnostics->z_suspect = (float)z_monitor_output.suspect;
         diagnostics->landed = landed ? 1.0f : 0.0f;
-        diagnostics->theta = theta;
-        diagnostics->y = y;
-        diagnostics->phi = phi;
-        diagnostics->theta_disturbance = theta_disturbance;
-        diagnostics->theta_estimate = theta_estimate;
-        diagnostics->theta_rate = theta_rate;
-        diagnostics->y_disturbance = y_disturbance;
-        diagnostics->y_estimate = y_estimate;
-        diagnostics->y_rate = y_rate;
-        diagnostics->phi_estimate = phi_estimate;
-        diagnostics->phi_rate = phi_rate;
-        diagnostics->phi_disturbance = phi_disturbance;
+        diagnostics->x_trusted = x_monitor_output.trusted ? 1.0f : 0.0f;
+        diagnostics->z_trusted = z_monitor_output.trusted ? 1.0f : 0.0f;
+        diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
+    }
+
+    if (diagnostics != NULL) {
         diagnostics->faults = fault_word;
         if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
             diagnostics->latch_cause = fault_word;
         }
     }
-#endif
     return fault_word;
 }
+
+uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
+{
+    return maglev_5dof_body(state, in, out, NULL);
+}
+
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in,
+    maglev_5dof_output_t *out, maglev_5dof_diagnostics_t *diagnostics)
+{
+    return maglev_5dof_body(state, in, out, diagnostics);
+}
+#endif

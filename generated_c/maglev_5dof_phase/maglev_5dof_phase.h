@@ -55,6 +55,21 @@ extern "C" {
 #endif
 
 typedef struct {
+    /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    float transfer;
+    uint32_t unknown;                   /* 1, 0 .. 105: samples with both positions lost, less those with one */
+} maglev_5dof_phase_commutation_state_t;
+
+typedef struct {
+    float last_x;                       /* m, -0.1 .. 0.1: one sample ago */
+    float last_z;                       /* m, -0.1 .. 0.1: one sample ago */
+    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    uint32_t left_x;
+    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    uint32_t left_z;
+} maglev_5dof_phase_advance_state_t;
+
+typedef struct {
     float i_d1;                         /* A, -4.94975 .. 4.94975: direct current of motor 1, rms */
     float i_d2;                         /* A, -4.94975 .. 4.94975: direct current of motor 2, rms */
     float i_d3;                         /* A, -4.94975 .. 4.94975: direct current of motor 3, rms */
@@ -83,6 +98,8 @@ typedef struct {
 } maglev_5dof_phase_output_t;
 
 typedef struct {
+    maglev_5dof_phase_advance_state_t advance;
+    maglev_5dof_phase_commutation_state_t commutation;
     float guard_last_i_d1;              /* A, -4.94975 .. 4.94975: last good value */
     float guard_last_i_d2;              /* A, -4.94975 .. 4.94975: last good value */
     float guard_last_i_d3;              /* A, -4.94975 .. 4.94975: last good value */
@@ -93,15 +110,6 @@ typedef struct {
     float guard_last_i_q4;              /* A, -4.94975 .. 4.94975: last good value */
     float guard_last_x;                 /* m, -0.1 .. 0.1: last good value */
     float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
-    float advance_last_x;               /* m, -0.1 .. 0.1: one sample ago */
-    float advance_last_z;               /* m, -0.1 .. 0.1: one sample ago */
-    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
-    uint32_t advance_left_x;
-    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
-    uint32_t advance_left_z;
-    /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
-    float commutation_transfer;
-    uint32_t commutation_unknown;       /* 1, 0 .. 105: samples with both positions lost, less those with one */
 } maglev_5dof_phase_state_t;
 
 /* The layout is the same on every target. */
@@ -136,7 +144,6 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
     maglev_5dof_phase_output_t *out);
 
-#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
  * some. Set the struct to zero when you call init. */
 typedef struct {
@@ -148,6 +155,7 @@ typedef struct {
     uint32_t faults;                    /* fault word of the last step */
 } maglev_5dof_phase_diagnostics_t;
 
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
 /* The step; `diagnostics` may be null. */
 uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
     maglev_5dof_phase_output_t *out, maglev_5dof_phase_diagnostics_t *diagnostics);

@@ -20,10 +20,9 @@
  *     current, while its gap is above 30.5 mm
  *   - without three gap encoders, or without x and z, it latches in flight, with the safe output
  *   - zero current pulls the platen up from a gap below 28.7 mm
- *   - in flight the safe output, 2.5 A rms, lowers a level platen from every gap between its stops, 18 mm to 31 mm,
- *     also with all parameters at their tolerances, but at 18 mm magnets 10 % stronger than assumed may hold one that
- *     is tilted about Z by 7 mrad or more
- *   - it is no soft landing: from 18 mm the platen meets its lower stop at up to 0.57 m/s
+ *   - in flight the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all
+ *     parameters at their tolerances, and is no soft landing: from 18 mm the platen meets its lower stop at up to 0.57
+ *     m/s
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
  *     machine reaches 0.00021 m/s (z) and 0.028 rad/s (phi) and hits a stop at 0.0055 m/s (y)
  *   - in motion the machine reaches 0.001 m/s (x) and 0.44 rad/s (theta) and hits a stop at 0.016 m/s (y)
@@ -33,7 +32,7 @@
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
- * A refused input is replaced by its last good value, and before its first good value by 0.03095 m (y_ref), 0 m (x_ref,
+ * A refused input is replaced by its last good value, and before its first good value by 0.03098 m (y_ref), 0 m (x_ref,
  * z_ref), 0 rad (phi_ref, theta_ref); a refused measurement is replaced by what the others or a prediction say, from
  * the first sample on.
  *
@@ -60,10 +59,9 @@
  * outside its range    |                                   | relation           | axes go on
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * one of y1, y2, y3    | bits 11 to 14; |residual| above   | what the others    | from then on no relation is left:
- * and y4 frozen,       | 4.8e-05 m in 3 samples in a row   | say, by the parity | another wrong one is not noticed; all
- * offset, drifting or  | (with noise up to 0.000155 m),    | relation           | axes go on
- * jumping              | and one has by far the largest    |                    |
- *                      | innovation or alone a code that   |                    |
+ * and y4 frozen,       | 4.8e-05 m in 3 samples in a row,  | say, by the parity | another wrong one is not noticed; all
+ * offset, drifting or  | and one has by far the largest    | relation           | axes go on
+ * jumping              | innovation or alone a code that   |                    |
  *                      | stands still (3 or 8 samples):    |                    |
  *                      | excluded until init               |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
@@ -98,7 +96,7 @@
  *                      | still for 3 samples or more while | its observer       | stay
  *                      | its prediction, which agreed with |                    |
  *                      | its last 10 changes, moves by     |                    |
- *                      | more than 8.2e-05 m; or no answer |                    |
+ *                      | more than 4e-05 m; or no answer   |                    |
  *                      | to the probe; only inside -0.0499 |                    |
  *                      | .. 0.0499 m; excluded until init  |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
@@ -163,24 +161,14 @@
  * The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its
  * stop at 31 mm.
  *
- * A set-point nearer to a stop than 50 um at a motor is out of range. On the stop the error of an encoder's zero, or
- * one of 0.1 % of its scale, would not vanish, and the internal model would push the platen into the stop until the
- * currents are at their limit.
- *
- * The encoders may have white noise of 10 um rms each: the threshold of the gap encoders, 48 um, then rises to 155 um,
- * from which it also begins after init. Errors of scale that the gap encoders share cancel; those in which they differ
- * count as offsets, of which they may have 7 um each.
+ * A set-point nearer to a stop than 20 um at a motor is out of range. On the stop the error of an encoder's zero would
+ * not vanish, and the internal model would push the platen into the stop until the currents are at their limit.
  *
  * A frozen or jumping reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the
  * platen, these tests are off. After missed calls, and while the platen accelerates otherwise than predicted, until the
- * prediction agrees with ten changes of the code (20 after missed calls), they notice only a distance between both
- * growing by more than 0.2 mm (frozen) or 0.5 mm (a jump), and one of more than 0.3 mm, this not after missed calls. A
- * platen that rests is pushed there and back by the probe after each 40 samples without a change of the code of x or z.
- *
- * Check scale and direction of the encoders of x and z before the first flight. One that counts 10 % too little is
- * never noticed: in the 4-DOF tracking the platen was up to 9.2 mm off. One that counts half was noticed at the end of
- * travel, met at up to 0.67 m/s. One that counts backwards is noticed within 0.27 s, and the platen met the end of
- * travel at up to 0.12 m/s, or 0.38 m/s from a tilt at a gap of 18.5 mm (17 plants, of the first two faults 2).
+ * prediction agrees with ten changes of the code, they notice only a distance between both growing by more than 0.2 mm
+ * (frozen) or 0.5 mm (a jump). A platen that rests is pushed there and back by the probe after each 40 samples without
+ * a change of the code of x or z.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
@@ -212,10 +200,42 @@ extern "C" {
 #endif
 
 typedef struct {
-    float q;                            /* m or rad: prediction */
-    float v;                            /* m/s or rad/s: predicted rate */
-    float d;                            /* m/s^2 or rad/s^2: disturbance */
-} maglev_5dof_precise_observer_fast_state_t;
+    uint32_t sample;                    /* 1, 0 .. 7: sample of the pair, 0 for none */
+    uint32_t attempt;                   /* 1, 0 .. 8: pairs without an answer */
+    float towards;                      /* m/s^2, -4.4 .. 4.4: acceleration of the first pair, to the set-point */
+} maglev_5dof_precise_probe_state_t;
+
+typedef struct {
+    uint32_t left;                      /* 1, 1 .. 20: samples until it lands, in 1/4 of a sample */
+    uint32_t landing;                   /* 1, 0 .. 1: lands until init */
+    float r_y;                          /* m, -0.5 .. 0.0326: set-point of the landing */
+    float dr_y;                         /* m/s, -10 .. 10: its rate */
+    float r_x;                          /* m, -0.5 .. 0.5: set-point of the landing */
+    float dr_x;                         /* m/s, -10 .. 10: its rate */
+    float r_z;                          /* m, -0.5 .. 0.5: set-point of the landing */
+    float dr_z;                         /* m/s, -10 .. 10: its rate */
+} maglev_5dof_precise_landing_state_t;
+
+typedef struct {
+    float q;                            /* m, -0.1 .. 0.1: prediction */
+    float v;                            /* m/s, -2 .. 2: predicted rate */
+    float d;                            /* m/s^2, -20 .. 20: disturbance */
+    float gained;                       /* m/s^2, -20684.8 .. 20684.8: sum of what d gained since the code changed */
+    float d_at_change;                  /* m/s^2, -20 .. 20: d as its code changed */
+    float g;                            /* 1, 0.8 .. 1.2: learnt gain */
+} maglev_5dof_precise_observer_2_state_t;
+
+typedef struct {
+    /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    float transfer;
+} maglev_5dof_precise_handover_state_t;
+
+typedef struct {
+    float sum;                          /* rad, -4.00004 .. 4.00004: internal model */
+    float p1;                           /* rad, -4.00004 .. 4.00004: internal model */
+    float q1;                           /* rad, -4.00004 .. 4.00004: internal model */
+    float r;                            /* rad, -0.00884887 .. 0.00884887: set-point one sample ago */
+} maglev_5dof_precise_servo_phi_fast_state_t;
 
 typedef struct {
     float sum;                          /* m or rad: internal model */
@@ -229,22 +249,56 @@ typedef struct {
 } maglev_5dof_precise_servo_fast_state_t;
 
 typedef struct {
+    float q;                            /* m or rad: prediction */
+    float v;                            /* m/s or rad/s: predicted rate */
+    float d;                            /* m/s^2 or rad/s^2: disturbance */
+} maglev_5dof_precise_observer_state_t;
+
+typedef struct {
+    float code_y1;                      /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
+    uint32_t still_y1;                  /* 1, 0 .. 8: samples without a change */
+    uint32_t excluded_y1;               /* 1, 0 .. 1: wrong until init */
+    float code_y2;                      /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
+    uint32_t still_y2;                  /* 1, 0 .. 8: samples without a change */
+    uint32_t excluded_y2;               /* 1, 0 .. 1: wrong until init */
+    float code_y3;                      /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
+    uint32_t still_y3;                  /* 1, 0 .. 8: samples without a change */
+    uint32_t excluded_y3;               /* 1, 0 .. 1: wrong until init */
+    float code_y4;                      /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
+    uint32_t still_y4;                  /* 1, 0 .. 8: samples without a change */
+    uint32_t excluded_y4;               /* 1, 0 .. 1: wrong until init */
+    uint32_t contradictions_0;          /* 1, 0 .. 10: samples in a row */
+    uint32_t stuck_0;                   /* 1, 0 .. 1: the excluded sensor stood still */
+    uint32_t undecided_0;               /* 1, 0 .. 1: which sensor is wrong is not known */
+    uint32_t degraded;                  /* 1, 0 .. 1: a sensor was a suspect or is excluded, until init */
+} maglev_5dof_precise_redundancy_state_t;
+
+typedef struct {
     float code;                         /* m, -0.1 .. 0.1: accepted reading one sample ago */
     uint32_t still;                     /* 1, 0 .. 40: samples without a change */
     uint32_t excluded;                  /* 1, 0 .. 1: wrong until init */
-    uint32_t doubts;                    /* 1, 0 .. 20: changes until its prediction is believed */
+    uint32_t doubts;                    /* 1, 0 .. 10: changes until its prediction is believed */
     float before;                       /* m, -0.1 .. 0.1: prediction at the last change */
     uint32_t jumps;                     /* 1, 0 .. 2: samples in a row far from its prediction */
 } maglev_5dof_precise_monitor_state_t;
 
 typedef struct {
-    float q;                            /* m, -0.1 .. 0.1: prediction */
-    float v;                            /* m/s, -2 .. 2: predicted rate */
-    float d;                            /* m/s^2, -20 .. 20: disturbance */
-    float gained;                       /* m/s^2, -20684.8 .. 20684.8: sum of what d gained since the code changed */
-    float d_at_change;                  /* m/s^2, -20 .. 20: d as its code changed */
-    float g;                            /* 1, 0.8 .. 1.2: learnt gain */
-} maglev_5dof_precise_observer_state_t;
+    float last_y1;                      /* m, 0.0168 .. 0.0322: last good value */
+    float last_y2;                      /* m, 0.0124 .. 0.0366: last good value */
+    float last_y3;                      /* m, 0.0168 .. 0.0322: last good value */
+    float last_y4;                      /* m, 0.0124 .. 0.0366: last good value */
+    float last_x;                       /* m, -0.1 .. 0.1: last good value */
+    float last_z;                       /* m, -0.1 .. 0.1: last good value */
+    float last_y_ref;                   /* m, 0.01802 .. 0.03098: last good value */
+    float last_x_ref;                   /* m, -0.04998 .. 0.04998: last good value */
+    float last_z_ref;                   /* m, -0.04998 .. 0.04998: last good value */
+    float last_phi_ref;                 /* rad, -0.00294962 .. 0.00294962: last good value */
+    float last_theta_ref;               /* rad, -0.0139496 .. 0.0139496: last good value */
+    /* 1, 1 .. 20: samples with a bad measurement until it latches, in 1/4 of a sample */
+    uint32_t left;
+    uint32_t latched;                   /* 1, 0 .. 1: latched until init */
+    uint32_t ready;                     /* 1, 0 .. 1: every measurement was good at once */
+} maglev_5dof_precise_guard_state_t;
 
 typedef struct {
     float y1;                           /* m, 0.0168 .. 0.0322: gap of motor 1 */
@@ -253,11 +307,11 @@ typedef struct {
     float y4;                           /* m, 0.0124 .. 0.0366: gap of motor 4 */
     float x;                            /* m, -0.1 .. 0.1: platen along X */
     float z;                            /* m, -0.1 .. 0.1: platen along Z */
-    float y_ref;                        /* m, 0.01805 .. 0.03095: set-point of the gap */
-    float x_ref;                        /* m, -0.04995 .. 0.04995: set-point along X */
-    float z_ref;                        /* m, -0.04995 .. 0.04995: set-point along Z */
-    float phi_ref;                      /* rad, -0.00287406 .. 0.00287406: set-point of the rotation about X */
-    float theta_ref;                    /* rad, -0.0138741 .. 0.0138741: set-point of the rotation about Z */
+    float y_ref;                        /* m, 0.01802 .. 0.03098: set-point of the gap */
+    float x_ref;                        /* m, -0.04998 .. 0.04998: set-point along X */
+    float z_ref;                        /* m, -0.04998 .. 0.04998: set-point along Z */
+    float phi_ref;                      /* rad, -0.00294962 .. 0.00294962: set-point of the rotation about X */
+    float theta_ref;                    /* rad, -0.0139496 .. 0.0139496: set-point of the rotation about Z */
     float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if none */
 } maglev_5dof_precise_input_t;
 
@@ -275,89 +329,34 @@ typedef struct {
 } maglev_5dof_precise_output_t;
 
 typedef struct {
-    float guard_last_y1;                /* m, 0.0168 .. 0.0322: last good value */
-    float guard_last_y2;                /* m, 0.0124 .. 0.0366: last good value */
-    float guard_last_y3;                /* m, 0.0168 .. 0.0322: last good value */
-    float guard_last_y4;                /* m, 0.0124 .. 0.0366: last good value */
-    float guard_last_x;                 /* m, -0.1 .. 0.1: last good value */
-    float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
-    float guard_last_y_ref;             /* m, 0.01805 .. 0.03095: last good value */
-    float guard_last_x_ref;             /* m, -0.04995 .. 0.04995: last good value */
-    float guard_last_z_ref;             /* m, -0.04995 .. 0.04995: last good value */
-    float guard_last_phi_ref;           /* rad, -0.00287406 .. 0.00287406: last good value */
-    float guard_last_theta_ref;         /* rad, -0.0138741 .. 0.0138741: last good value */
-    /* 1, 1 .. 20: samples with a bad measurement until it latches, in 1/4 of a sample */
-    uint32_t guard_left;
-    uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
-    uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
+    maglev_5dof_precise_guard_state_t guard;
     maglev_5dof_precise_monitor_state_t x_monitor;
     maglev_5dof_precise_monitor_state_t z_monitor;
-    float redundancy_code_y1;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
-    uint32_t redundancy_still_y1;       /* 1, 0 .. 8: samples without a change */
-    uint32_t redundancy_excluded_y1;    /* 1, 0 .. 1: wrong until init */
-    float redundancy_code_y2;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
-    uint32_t redundancy_still_y2;       /* 1, 0 .. 8: samples without a change */
-    uint32_t redundancy_excluded_y2;    /* 1, 0 .. 1: wrong until init */
-    float redundancy_code_y3;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
-    uint32_t redundancy_still_y3;       /* 1, 0 .. 8: samples without a change */
-    uint32_t redundancy_excluded_y3;    /* 1, 0 .. 1: wrong until init */
-    float redundancy_code_y4;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
-    uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
-    uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
-    float redundancy_last_residual_0;   /* m, -0.039996 .. 0.039996: of the parity relation one sample ago */
-    /* m, 4.7952e-05 .. 0.000155178: largest |residual| without a fault, by its noise */
-    float redundancy_threshold_0;
-    uint32_t redundancy_contradictions_0; /* 1, 0 .. 10: samples in a row */
-    uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
-    uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
-    uint32_t redundancy_degraded;       /* 1, 0 .. 1: a sensor was a suspect or is excluded, until init */
-    float observer_y_fast_q;            /* m, 0.0145 .. 0.0345: prediction */
-    float observer_y_fast_v;            /* m/s, -4 .. 4: predicted rate */
-    float observer_y_fast_d;            /* m/s^2, -50 .. 50: disturbance */
+    maglev_5dof_precise_redundancy_state_t redundancy;
+    maglev_5dof_precise_observer_state_t observer_y_fast;
     maglev_5dof_precise_servo_fast_state_t servo_y_fast;
-    maglev_5dof_precise_observer_fast_state_t observer_x_fast;
+    maglev_5dof_precise_observer_state_t observer_x_fast;
     maglev_5dof_precise_servo_fast_state_t servo_x_fast;
-    maglev_5dof_precise_observer_fast_state_t observer_z_fast;
+    maglev_5dof_precise_observer_state_t observer_z_fast;
     maglev_5dof_precise_servo_fast_state_t servo_z_fast;
-    maglev_5dof_precise_observer_fast_state_t observer_phi_fast;
-    float servo_phi_fast_sum;           /* rad, -4.00004 .. 4.00004: internal model */
-    float servo_phi_fast_p1;            /* rad, -4.00004 .. 4.00004: internal model */
-    float servo_phi_fast_q1;            /* rad, -4.00004 .. 4.00004: internal model */
-    float servo_phi_fast_r;             /* rad, -0.00862217 .. 0.00862217: set-point one sample ago */
-    maglev_5dof_precise_observer_fast_state_t observer_theta_fast;
+    maglev_5dof_precise_observer_state_t observer_phi_fast;
+    maglev_5dof_precise_servo_phi_fast_state_t servo_phi_fast;
+    maglev_5dof_precise_observer_state_t observer_theta_fast;
     maglev_5dof_precise_servo_fast_state_t servo_theta_fast;
-    /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
-    float handover_transfer;
+    maglev_5dof_precise_handover_state_t handover;
+    maglev_5dof_precise_observer_state_t observer_y;
+    maglev_5dof_precise_observer_2_state_t observer_x;
+    maglev_5dof_precise_observer_2_state_t observer_z;
+    maglev_5dof_precise_observer_state_t observer_phi;
+    maglev_5dof_precise_observer_state_t observer_theta;
+    maglev_5dof_precise_landing_state_t landing;
+    maglev_5dof_precise_probe_state_t probe_x;
+    maglev_5dof_precise_probe_state_t probe_z;
     float delay_w_y_last;               /* m/s^2, -1e+06 .. 1e+06: w_y one sample ago */
     float delay_a_x_last;               /* m/s^2, -1e+06 .. 1e+06: a_x one sample ago */
     float delay_a_z_last;               /* m/s^2, -1e+06 .. 1e+06: a_z one sample ago */
     float delay_w_phi_last;             /* rad/s^2, -1e+06 .. 1e+06: w_phi one sample ago */
     float delay_w_theta_last;           /* rad/s^2, -1e+06 .. 1e+06: w_theta one sample ago */
-    float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
-    float observer_y_v;                 /* m/s, -4 .. 4: predicted rate */
-    float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
-    maglev_5dof_precise_observer_state_t observer_x;
-    maglev_5dof_precise_observer_state_t observer_z;
-    float observer_phi_q;               /* rad, -0.02 .. 0.02: prediction */
-    float observer_phi_v;               /* rad/s, -4 .. 4: predicted rate */
-    float observer_phi_d;               /* rad/s^2, -200 .. 200: disturbance */
-    float observer_theta_q;             /* rad, -0.031 .. 0.031: prediction */
-    float observer_theta_v;             /* rad/s, -4 .. 4: predicted rate */
-    float observer_theta_d;             /* rad/s^2, -200 .. 200: disturbance */
-    uint32_t landing_left;              /* 1, 1 .. 20: samples until it lands, in 1/4 of a sample */
-    uint32_t landing_landing;           /* 1, 0 .. 1: lands until init */
-    float landing_r_y;                  /* m, -0.5 .. 0.0326: set-point of the landing */
-    float landing_dr_y;                 /* m/s, -10 .. 10: its rate */
-    float landing_r_x;                  /* m, -0.5 .. 0.5: set-point of the landing */
-    float landing_dr_x;                 /* m/s, -10 .. 10: its rate */
-    float landing_r_z;                  /* m, -0.5 .. 0.5: set-point of the landing */
-    float landing_dr_z;                 /* m/s, -10 .. 10: its rate */
-    uint32_t probe_x_sample;            /* 1, 0 .. 7: sample of the pair, 0 for none */
-    uint32_t probe_x_attempt;           /* 1, 0 .. 8: pairs without an answer */
-    float probe_x_towards;              /* m/s^2, -4.4 .. 4.4: acceleration of the first pair, to the set-point */
-    uint32_t probe_z_sample;            /* 1, 0 .. 7: sample of the pair, 0 for none */
-    uint32_t probe_z_attempt;           /* 1, 0 .. 8: pairs without an answer */
-    float probe_z_towards;              /* m/s^2, -4.4 .. 4.4: acceleration of the first pair, to the set-point */
     float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */
@@ -370,11 +369,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_precise_input_t) == 48u, "size of maglev_5dof_precise_input_t");
 _Static_assert(sizeof(maglev_5dof_precise_output_t) == 40u, "size of maglev_5dof_precise_output_t");
-_Static_assert(sizeof(maglev_5dof_precise_state_t) == 568u, "size of maglev_5dof_precise_state_t");
+_Static_assert(sizeof(maglev_5dof_precise_state_t) == 560u, "size of maglev_5dof_precise_state_t");
 #else
 extern char maglev_5dof_precise_input_size_is_48[(sizeof(maglev_5dof_precise_input_t) == 48u) ? 1 : -1];
 extern char maglev_5dof_precise_output_size_is_40[(sizeof(maglev_5dof_precise_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_precise_state_size_is_568[(sizeof(maglev_5dof_precise_state_t) == 568u) ? 1 : -1];
+extern char maglev_5dof_precise_state_size_is_560[(sizeof(maglev_5dof_precise_state_t) == 560u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -408,10 +407,11 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state);
 uint32_t maglev_5dof_precise_step(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
     maglev_5dof_precise_output_t *out);
 
-#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
- * some. Set the struct to zero when you call init. Bits of `saturated`: 0 y_fast_rate_ahead, 1 i_d1_balanced, 2
- * i_d2_balanced, 3 i_d3_balanced, 4 i_d4_balanced, 5 u_x_computed, 6 u_z_computed. */
+ * some. Set the struct to zero when you call init. Bits of `saturated`: 0 y_fast_rate_ahead, 1 x_fast_ahead, 2
+ * x_fast_rate_ahead, 3 z_fast_ahead, 4 z_fast_rate_ahead, 5 phi_fast_ahead, 6 phi_fast_rate_ahead, 7 theta_fast_ahead,
+ * 8 theta_fast_rate_ahead, 9 i_d1_balanced, 10 i_d2_balanced, 11 i_d3_balanced, 12 i_d4_balanced, 13 u_x_computed, 14
+ * u_z_computed. */
 typedef struct {
     float sound;                        /* 1: all readings are good, and no sensor was ever a suspect */
     float x_unanswered;                 /* 1: no pair of the probe was answered */
@@ -435,10 +435,8 @@ typedef struct {
     float sufficient;                   /* 1: it can be controlled */
     float x_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
     float x_unchanged;                  /* 1: samples without a change of the code */
-    float x_diverges;                   /* 1: its prediction has left it gradually, so the rate is unknown, too */
     float z_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
     float z_unchanged;                  /* 1: samples without a change of the code */
-    float z_diverges;                   /* 1: its prediction has left it gradually, so the rate is unknown, too */
     float y1_held;                      /* m: gap of motor 1 */
     float y2_held;                      /* m: gap of motor 2 */
     float y3_held;                      /* m: gap of motor 3 */
@@ -460,15 +458,27 @@ typedef struct {
     float y_fast_ahead;                 /* m: y_fast one sample later */
     float y_fast_rate_ahead;            /* m/s: rate of y_fast one sample later */
     float w_y_tracking;                 /* m/s^2: demanded acceleration */
+    float x_fast_estimate;              /* m: x_fast after the correction */
+    float x_fast_rate;                  /* m/s: rate of x_fast after the correction */
+    float x_fast_disturbance;           /* m/s^2: acceleration that the demand lacks */
     float x_fast_ahead;                 /* m: x_fast one sample later */
     float x_fast_rate_ahead;            /* m/s: rate of x_fast one sample later */
     float w_x_tracking;                 /* m/s^2: demanded acceleration */
+    float z_fast_estimate;              /* m: z_fast after the correction */
+    float z_fast_rate;                  /* m/s: rate of z_fast after the correction */
+    float z_fast_disturbance;           /* m/s^2: acceleration that the demand lacks */
     float z_fast_ahead;                 /* m: z_fast one sample later */
     float z_fast_rate_ahead;            /* m/s: rate of z_fast one sample later */
     float w_z_tracking;                 /* m/s^2: demanded acceleration */
+    float phi_fast_estimate;            /* rad: phi_fast after the correction */
+    float phi_fast_rate;                /* rad/s: rate of phi_fast after the correction */
+    float phi_fast_disturbance;         /* rad/s^2: acceleration that the demand lacks */
     float phi_fast_ahead;               /* rad: phi_fast one sample later */
     float phi_fast_rate_ahead;          /* rad/s: rate of phi_fast one sample later */
     float w_phi_tracking;               /* rad/s^2: demanded acceleration */
+    float theta_fast_estimate;          /* rad: theta_fast after the correction */
+    float theta_fast_rate;              /* rad/s: rate of theta_fast after the correction */
+    float theta_fast_disturbance;       /* rad/s^2: acceleration that the demand lacks */
     float theta_fast_ahead;             /* rad: theta_fast one sample later */
     float theta_fast_rate_ahead;        /* rad/s: rate of theta_fast one sample later */
     float w_theta_tracking;             /* rad/s^2: demanded acceleration */
@@ -507,6 +517,7 @@ typedef struct {
     uint32_t saturated;                 /* signals at their limits in the last step */
 } maglev_5dof_precise_diagnostics_t;
 
+#if defined(MAGLEV_5DOF_PRECISE_DIAGNOSTICS)
 /* The step; `diagnostics` may be null. */
 uint32_t maglev_5dof_precise_step_diagnosed(maglev_5dof_precise_state_t *state, const maglev_5dof_precise_input_t *in,
     maglev_5dof_precise_output_t *out, maglev_5dof_precise_diagnostics_t *diagnostics);

@@ -1,12 +1,9 @@
 /* maglev_5dof_precise_phase. Generated: do not edit. */
-/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "maglev_5dof_precise_phase.h"
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
 #include <stddef.h>
-#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -38,6 +35,11 @@ static inline float maglev_5dof_precise_phase_slew(float last, float target, flo
 #else
 #define MAGLEV_5DOF_PRECISE_PHASE_INLINE static inline
 #endif
+#if defined(__OPTIMIZE_SIZE__)
+#define MAGLEV_5DOF_PRECISE_PHASE_LARGE static inline
+#else
+#define MAGLEV_5DOF_PRECISE_PHASE_LARGE MAGLEV_5DOF_PRECISE_PHASE_INLINE
+#endif
 /* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_PRECISE_PHASE_INLINE float maglev_5dof_precise_phase_hold_within(float value, float high, float *last,
     uint32_t bit, uint32_t *faults)
@@ -59,130 +61,103 @@ static inline float quarter_sine_polynomial(float t)
     return -13.74275f + (t * (432.58292f + (t * (-4084.3542f + (t * 18062.156f)))));
 }
 
-void maglev_5dof_precise_phase_init(maglev_5dof_precise_phase_state_t *state)
-{
-    /* A member that is not named is 0. */
-    *state = (maglev_5dof_precise_phase_state_t){
-        .guard_last_i_d1 = 2.5f,
-        .guard_last_i_d2 = 2.5f,
-        .guard_last_i_d3 = 2.5f,
-        .guard_last_i_d4 = 2.5f,
-    };
-}
+typedef struct {
+    float x_acting;
+    float z_acting;
+    bool lost_x;
+    bool lost_z;
+} maglev_5dof_precise_phase_advance_t;
 
-#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
-uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state,
-    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
+/* advance: positions 1.5 samples later, when the currents act
+ *     x_acting = last_x_next + samples_ahead * (last_x_next - (last_x if 1 <= left_x, else x_held));
+ *         likewise z_acting
+ *     lost_x = 0 if |x_commutation| <= 0.1, else left_x <= 1; likewise lost_z
+ *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
+ *         else x_held) - 0.001); likewise last_z_next
+ *     left_x_next = advance_patience if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0);
+ *         likewise left_z_next */
+MAGLEV_5DOF_PRECISE_PHASE_INLINE maglev_5dof_precise_phase_advance_t
+    maglev_5dof_precise_phase_advance(maglev_5dof_precise_phase_advance_state_t *state, float x_held, bool good_x,
+    float z_held, bool good_z, maglev_5dof_precise_phase_diagnostics_t *diagnostics)
 {
-    return maglev_5dof_precise_phase_step_diagnosed(state, in, out, NULL);
-}
-
-uint32_t maglev_5dof_precise_phase_step_diagnosed(maglev_5dof_precise_phase_state_t *state,
-    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out,
-    maglev_5dof_precise_phase_diagnostics_t *diagnostics)
-#else
-uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state,
-    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
-#endif
-{
-#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->samples += 1u;
-    }
-#endif
-    /* guard: range acceptance, hold, latch */
-    uint32_t faults = 0u;
-    const float i_d1_held = maglev_5dof_precise_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1,
-        0x00000001u, &faults);
-    const float i_d2_held = maglev_5dof_precise_phase_hold_within(in->i_d2, 4.9497476f, &state->guard_last_i_d2,
-        0x00000002u, &faults);
-    const float i_d3_held = maglev_5dof_precise_phase_hold_within(in->i_d3, 4.9497476f, &state->guard_last_i_d3,
-        0x00000004u, &faults);
-    const float i_d4_held = maglev_5dof_precise_phase_hold_within(in->i_d4, 4.9497476f, &state->guard_last_i_d4,
-        0x00000008u, &faults);
-    const float i_q1_held = maglev_5dof_precise_phase_hold_within(in->i_q1, 4.9497476f, &state->guard_last_i_q1,
-        0x00000010u, &faults);
-    const float i_q2_held = maglev_5dof_precise_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2,
-        0x00000020u, &faults);
-    const float i_q3_held = maglev_5dof_precise_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3,
-        0x00000040u, &faults);
-    const float i_q4_held = maglev_5dof_precise_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4,
-        0x00000080u, &faults);
-    const float x_held = maglev_5dof_precise_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x,
-        0x00000100u, &faults);
-    const float z_held = maglev_5dof_precise_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z,
-        0x00000200u, &faults);
-
-    /* advance: positions 1.5 samples later, when the currents act
-     *     x_acting = last_x_next + samples_ahead * (last_x_next - (last_x if 1 <= left_x, else x_held));
-     *         likewise z_acting
-     *     lost_x = 0 if |x_commutation| <= 0.1, else left_x <= 1; likewise lost_z
-     *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
-     *         else x_held) - 0.001); likewise last_z_next
-     *     left_x_next = advance_patience if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0);
-     *         likewise left_z_next */
     static const float largest_move = 0.001f;                   /* m; 1 m/s times 0.001 s; of x, z */
     static const float samples_ahead = 1.5f;                    /* 1; from the measurement until the current acts */
-    static const uint32_t advance_patience = 5u;                /* 1; bad samples until a position is lost */
-    const uint32_t advance_left_x = state->advance_left_x;
-    float advance_last_x_choice = x_held;
-    uint32_t advance_left_x_choice = 0u;
-    if (1u <= advance_left_x) {
-        advance_last_x_choice = state->advance_last_x;
-        advance_left_x_choice = advance_left_x - 1u;
+    static const uint32_t patience = 5u;                        /* 1; bad samples until a position is lost */
+
+    const uint32_t left_x = state->left_x;
+    float last_x_choice = x_held;
+    uint32_t left_x_if_not_good_x = 0u;
+    if (1u <= left_x) {
+        last_x_choice = state->last_x;
+        left_x_if_not_good_x = left_x - 1u;
     }
-    const float advance_last_x_next = maglev_5dof_precise_phase_slew(advance_last_x_choice, x_held, largest_move);
-    const float x_acting = advance_last_x_next + (samples_ahead * (advance_last_x_next - advance_last_x_choice));
-    const bool good_x = (faults & 0x00000100u) == 0u;
-    const bool lost_x = (good_x) ? false : (advance_left_x <= 1u);
-    const uint32_t advance_left_z = state->advance_left_z;
+    const float last_x_next = maglev_5dof_precise_phase_slew(last_x_choice, x_held, largest_move);
+    state->last_x = last_x_next;
+    const uint32_t left_z = state->left_z;
     float last = z_held;
-    uint32_t advance_left_z_choice = 0u;
-    if (1u <= advance_left_z) {
-        last = state->advance_last_z;
-        advance_left_z_choice = advance_left_z - 1u;
+    uint32_t left_z_if_not_good_z = 0u;
+    if (1u <= left_z) {
+        last = state->last_z;
+        left_z_if_not_good_z = left_z - 1u;
     }
     const float position = maglev_5dof_precise_phase_slew(last, z_held, largest_move);
-    const float z_acting = position + (samples_ahead * (position - last));
-    const bool good_z = (faults & 0x00000200u) == 0u;
-    const bool lost_z = (good_z) ? false : (advance_left_z <= 1u);
-    state->advance_last_x = advance_last_x_next;
-    state->advance_last_z = position;
-    state->advance_left_x = (good_x) ? advance_patience : advance_left_x_choice;
-    state->advance_left_z = (good_z) ? advance_patience : advance_left_z_choice;
-    const uint32_t faults_before = (lost_x) ? (faults | 0x00000400u) : faults;
-
-    /* commutation, guard */
-    float i_a1_if_not_lost_x = -1.0f;
-    uint32_t fault_word = faults_before;
-    if (lost_z) {
-        fault_word = faults_before | 0x00000800u;
-    } else {
-        i_a1_if_not_lost_x = 0.0f;
+    state->last_z = position;
+    state->left_x = (good_x) ? patience : left_x_if_not_good_x;
+    state->left_z = (good_z) ? patience : left_z_if_not_good_z;
+    if (diagnostics != NULL) {
+        diagnostics->x_acting = last_x_next + (samples_ahead * (last_x_next - last_x_choice));
+        diagnostics->lost_x = ((good_x) ? false : (left_x <= 1u)) ? 1.0f : 0.0f;
+        diagnostics->z_acting = position + (samples_ahead * (position - last));
+        diagnostics->lost_z = ((good_z) ? false : (left_z <= 1u)) ? 1.0f : 0.0f;
     }
+    return (maglev_5dof_precise_phase_advance_t){.x_acting = last_x_next +
+        (samples_ahead * (last_x_next - last_x_choice)), .z_acting = position + (samples_ahead * (position - last)),
+        .lost_x = (good_x) ? false : (left_x <= 1u), .lost_z = (good_z) ? false : (left_z <= 1u)};
+}
 
-    /* commutation: phase currents, inverse Park
-     *     distance_x = limit(x_acting - wavelength_high * (floor(inverse_wavelength * x_acting + 4.5) - 4) -
-     *         wavelength_low * (floor(inverse_wavelength * x_acting + 4.5) - 4), 0.0572643); likewise
-     *         distance_z
-     *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
-     *     transfer_next = max(min(target, transfer + fade_step), transfer - fade_step) if lost_x or lost_z or
-     *         (0 < |transfer| or 1 <= unknown), else 0
-     *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else
-     *         (unknown - 1 if 1 <= unknown, else 0)) if lost_x or lost_z or (0 < |transfer| or 1 <= unknown),
-     *         else 0 */
-    static const float inverse_wavelength = 8.748906f;          /* 1/m; 1 over the wavelength, 0.1143 m */
-    /* m; the wavelength, 0.1143 m, in 12 bits: its multiples are exact */
-    static const float wavelength_high = 0.11428833f;
-    static const float wavelength_low = 1.1669922e-05f;         /* m; the wavelength, 0.1143 m, less wavelength_high */
+typedef struct {
+    float i_a1;
+    float i_b1;
+    float i_c1;
+    float i_a2;
+    float i_b2;
+    float i_c2;
+    float i_a3;
+    float i_b3;
+    float i_c3;
+    float i_a4;
+    float i_b4;
+    float i_c4;
+} maglev_5dof_precise_phase_commutation_t;
+
+/* commutation: phase currents, inverse Park
+ *     distance_x = limit(x_acting - wavelength_high * (floor(inverse_wavelength * x_acting + 4.5) - 4) -
+ *         wavelength_low * (floor(inverse_wavelength * x_acting + 4.5) - 4), 0.0572643); likewise
+ *         distance_z
+ *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
+ *     transfer_next = max(min(target, transfer + fade_step), transfer - fade_step) if lost_x or lost_z or
+ *         (0 < |transfer| or 1 <= unknown), else 0
+ *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else
+ *         (unknown - 1 if 1 <= unknown, else 0)) if lost_x or lost_z or (0 < |transfer| or 1 <= unknown),
+ *         else 0 */
+MAGLEV_5DOF_PRECISE_PHASE_LARGE maglev_5dof_precise_phase_commutation_t
+    maglev_5dof_precise_phase_commutation(maglev_5dof_precise_phase_commutation_state_t *state, float x_acting,
+    float z_acting, bool lost_x, bool lost_z, float i_d1_held, float i_d2_held, float i_d4_held, float i_q1_held,
+    float i_d3_held, float i_q2_held, float i_q3_held, float i_q4_held)
+{
     static const float fade_step = 0.04f; /* 1; 1 / 25: a handover, and a fade, takes 25 samples */
     /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
     static const float current_limit = 4.9497476f;
     static const uint32_t gone_samples = 105u;                  /* 1; samples until the currents have faded out */
-    static const float eight_root_2 = 11.313708f;               /* 1; 8 sqrt(2) */
+    /* m; the wavelength, 0.1143 m, in 12 bits: its multiples are exact */
+    static const float wavelength_high = 0.11428833f;
+    static const float inverse_wavelength = 8.748906f;          /* 1/m; 1 over the wavelength, 0.1143 m */
+    static const float wavelength_low = 1.1669922e-05f;         /* m; the wavelength, 0.1143 m, less wavelength_high */
     static const float four_root_2 = 5.656854f;                 /* 1; 4 sqrt(2) */
+    static const float eight_root_2 = 11.313708f;               /* 1; 8 sqrt(2) */
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
+
     const float distance_x_sum = (inverse_wavelength * x_acting) + 4.5f;
     const float n_x = (float)(uint32_t)distance_x_sum - 4.0f;
     const float distance_x = x_acting - (wavelength_high * n_x) - (wavelength_low * n_x);
@@ -193,9 +168,9 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     const float distance_z = z_acting - (wavelength_high * n_z) - (wavelength_low * n_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_polynomial(distance_z * distance_z);
-    const float commutation_transfer = state->commutation_transfer;
-    const uint32_t commutation_unknown = state->commutation_unknown;
-    const bool unknown_at_least_1 = 1u <= commutation_unknown;
+    const float transfer = state->transfer;
+    const uint32_t unknown = state->unknown;
+    const bool unknown_at_least_1 = 1u <= unknown;
     const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
     const float h_z = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
     const float turned_sine = h_z * (four_root_2 - (eight_root_2 * quarter_sine_z_squared));
@@ -212,27 +187,27 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
     float waves_x_sine_i_a2_2 = waves_x_sine_i_a2;
     float cosine_z_i_a3 = i_d3_held;
     float cosine_x_i_a4 = i_d4_held;
-    if (lost_x || lost_z || (0.0f < fabsf(commutation_transfer)) || unknown_at_least_1) {
-        float target = commutation_transfer;
+    if (lost_x || lost_z || (0.0f < fabsf(transfer)) || unknown_at_least_1) {
+        float target = transfer;
         if (lost_x && lost_z) {
-            if (commutation_unknown < gone_samples) {
-                state->commutation_unknown = commutation_unknown + 1u;
+            if (unknown < gone_samples) {
+                state->unknown = unknown + 1u;
             }
         } else {
-            target = (lost_x) ? 1.0f : i_a1_if_not_lost_x;
+            target = (lost_x) ? 1.0f : ((lost_z) ? -1.0f : 0.0f);
             if (unknown_at_least_1) {
-                state->commutation_unknown = commutation_unknown - 1u;
+                state->unknown = unknown - 1u;
             } else {
-                state->commutation_unknown = 0u;
+                state->unknown = 0u;
             }
         }
-        const float transfer = maglev_5dof_precise_phase_slew(commutation_transfer, target, fade_step);
-        const bool of_x = 0.0f < transfer;
-        const float part = fabsf(transfer);
+        const float transfer_2 = maglev_5dof_precise_phase_slew(transfer, target, fade_step);
+        const bool of_x = 0.0f < transfer_2;
+        const float part = fabsf(transfer_2);
         const float part_x = (of_x) ? part : 0.0f;
         const float handed_z = 0.5f * (part_x * (i_d2_held + i_d4_held));
         cosine_z_i_a1 = maglev_5dof_precise_phase_limit(i_d1_held + handed_z, current_limit - fabsf(i_q1_held));
-        const float whole = maglev_5dof_precise_phase_min(fade_step * (105.0f - (float)commutation_unknown), 1.0f);
+        const float whole = maglev_5dof_precise_phase_min(fade_step * (105.0f - (float)unknown), 1.0f);
         const float part_z = (of_x) ? 0.0f : part;
         const float share_z = whole * (1.0f - part_z);
         waves_z_cosine = share_z * turned_sine;
@@ -244,68 +219,145 @@ uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state
         waves_x_sine_i_a2_2 = share_x * waves_x_sine_i_a2;
         cosine_z_i_a3 = maglev_5dof_precise_phase_limit(i_d3_held + handed_z, current_limit - fabsf(i_q3_held));
         cosine_x_i_a4 = maglev_5dof_precise_phase_limit(i_d4_held + handed_x, current_limit - fabsf(i_q4_held));
-        state->commutation_transfer = transfer;
+        state->transfer = transfer_2;
     } else {
-        state->commutation_transfer = 0.0f;
-        state->commutation_unknown = 0u;
+        state->transfer = 0.0f;
+        state->unknown = 0u;
     }
     const float cosine_z_i_a1_2 = (cosine_z_i_a1 * waves_z_cosine) - (i_q1_held * waves_z_sine);
     const float i_a1 = cosine_z_i_a1_2;
     /*@ admit -9.900485f <= i_a1 <= 9.900485f; */
-    out->i_a1 = i_a1;
     const float other_z = half_root_3 * ((i_q1_held * waves_z_cosine) + (cosine_z_i_a1 * waves_z_sine));
     const float half_z = 0.5f * cosine_z_i_a1_2;
     const float i_b1 = other_z - half_z;
     /*@ admit -9.900485f <= i_b1 <= 9.900485f; */
-    out->i_b1 = i_b1;
     const float i_c1 = -(half_z + other_z);
     /*@ admit -9.900485f <= i_c1 <= 9.900485f; */
-    out->i_c1 = i_c1;
     const float cosine_x_i_a2_2 = (cosine_x_i_a2 * waves_x_cosine_i_a2_2) - (i_q2_held * waves_x_sine_i_a2_2);
     const float i_a2 = cosine_x_i_a2_2;
     /*@ admit -9.900485f <= i_a2 <= 9.900485f; */
-    out->i_a2 = i_a2;
     const float other_x = half_root_3 * ((i_q2_held * waves_x_cosine_i_a2_2) + (cosine_x_i_a2 * waves_x_sine_i_a2_2));
     const float half_x = 0.5f * cosine_x_i_a2_2;
     const float i_b2 = other_x - half_x;
     /*@ admit -9.900485f <= i_b2 <= 9.900485f; */
-    out->i_b2 = i_b2;
     const float i_c2 = -(half_x + other_x);
     /*@ admit -9.900485f <= i_c2 <= 9.900485f; */
-    out->i_c2 = i_c2;
     const float cosine_z_i_a3_2 = (cosine_z_i_a3 * waves_z_cosine) - (i_q3_held * waves_z_sine);
     const float i_a3 = cosine_z_i_a3_2;
     /*@ admit -9.900485f <= i_a3 <= 9.900485f; */
-    out->i_a3 = i_a3;
     const float i_b3_product = half_root_3 * ((i_q3_held * waves_z_cosine) + (cosine_z_i_a3 * waves_z_sine));
     const float half_cosine_z_i_a3_2 = 0.5f * cosine_z_i_a3_2;
     const float i_b3 = i_b3_product - half_cosine_z_i_a3_2;
     /*@ admit -9.900485f <= i_b3 <= 9.900485f; */
-    out->i_b3 = i_b3;
     const float i_c3 = -(half_cosine_z_i_a3_2 + i_b3_product);
     /*@ admit -9.900485f <= i_c3 <= 9.900485f; */
-    out->i_c3 = i_c3;
     const float current_cosine = (cosine_x_i_a4 * waves_x_cosine_i_a2_2) - (i_q4_held * waves_x_sine_i_a2_2);
     const float i_a4 = current_cosine;
     /*@ admit -9.900485f <= i_a4 <= 9.900485f; */
-    out->i_a4 = i_a4;
     const float i_b4_product = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) +
         (cosine_x_i_a4 * waves_x_sine_i_a2_2));
     const float half_current_cosine = 0.5f * current_cosine;
     const float i_b4 = i_b4_product - half_current_cosine;
     /*@ admit -9.900485f <= i_b4 <= 9.900485f; */
-    out->i_b4 = i_b4;
     const float i_c4 = -(half_current_cosine + i_b4_product);
     /*@ admit -9.900485f <= i_c4 <= 9.900485f; */
-    out->i_c4 = i_c4;
-#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->x_acting = x_acting;
-        diagnostics->lost_x = lost_x ? 1.0f : 0.0f;
-        diagnostics->z_acting = z_acting;
-        diagnostics->lost_z = lost_z ? 1.0f : 0.0f;
-        diagnostics->faults = fault_word;
-    }
-#endif
-    return fault_word;
+    return (maglev_5dof_precise_phase_commutation_t){.i_a1 = i_a1, .i_b1 = i_b1, .i_c1 = i_c1, .i_a2 = i_a2,
+        .i_b2 = i_b2, .i_c2 = i_c2, .i_a3 = i_a3, .i_b3 = i_b3, .i_c3 = i_c3, .i_a4 = i_a4, .i_b4 = i_b4, .i_c4 = i_c4};
 }
+
+/* Each input in its range, else what is held or refused, with its bit of the fault word. */
+MAGLEV_5DOF_PRECISE_PHASE_INLINE maglev_5dof_precise_phase_input_t
+    maglev_5dof_precise_phase_guard_inputs(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, uint32_t *faults)
+{
+    maglev_5dof_precise_phase_input_t accepted = *in;
+    accepted.i_d1 = maglev_5dof_precise_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1, 0x00000001u,
+        faults);
+    accepted.i_d2 = maglev_5dof_precise_phase_hold_within(in->i_d2, 4.9497476f, &state->guard_last_i_d2, 0x00000002u,
+        faults);
+    accepted.i_d3 = maglev_5dof_precise_phase_hold_within(in->i_d3, 4.9497476f, &state->guard_last_i_d3, 0x00000004u,
+        faults);
+    accepted.i_d4 = maglev_5dof_precise_phase_hold_within(in->i_d4, 4.9497476f, &state->guard_last_i_d4, 0x00000008u,
+        faults);
+    accepted.i_q1 = maglev_5dof_precise_phase_hold_within(in->i_q1, 4.9497476f, &state->guard_last_i_q1, 0x00000010u,
+        faults);
+    accepted.i_q2 = maglev_5dof_precise_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2, 0x00000020u,
+        faults);
+    accepted.i_q3 = maglev_5dof_precise_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3, 0x00000040u,
+        faults);
+    accepted.i_q4 = maglev_5dof_precise_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4, 0x00000080u,
+        faults);
+    accepted.x_commutation = maglev_5dof_precise_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x,
+        0x00000100u, faults);
+    accepted.z_commutation = maglev_5dof_precise_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z,
+        0x00000200u, faults);
+    return accepted;
+}
+
+void maglev_5dof_precise_phase_init(maglev_5dof_precise_phase_state_t *state)
+{
+    /* A member that is not named is 0. */
+    *state = (maglev_5dof_precise_phase_state_t){
+        .guard_last_i_d1 = 2.5f,
+        .guard_last_i_d2 = 2.5f,
+        .guard_last_i_d3 = 2.5f,
+        .guard_last_i_d4 = 2.5f,
+    };
+}
+
+MAGLEV_5DOF_PRECISE_PHASE_INLINE uint32_t maglev_5dof_precise_phase_body(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out,
+    maglev_5dof_precise_phase_diagnostics_t *diagnostics)
+{
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+    }
+    /* guard: range acceptance, hold, latch */
+    uint32_t faults = 0u;
+    const maglev_5dof_precise_phase_input_t accepted = maglev_5dof_precise_phase_guard_inputs(state, in, &faults);
+    const maglev_5dof_precise_phase_advance_t advance = maglev_5dof_precise_phase_advance(&state->advance,
+        accepted.x_commutation, (faults & 0x00000100u) == 0u, accepted.z_commutation, (faults & 0x00000200u) == 0u,
+        diagnostics);
+    const maglev_5dof_precise_phase_commutation_t commutation =
+        maglev_5dof_precise_phase_commutation(&state->commutation, advance.x_acting, advance.z_acting, advance.lost_x,
+        advance.lost_z, accepted.i_d1, accepted.i_d2, accepted.i_d4, accepted.i_q1, accepted.i_d3, accepted.i_q2,
+        accepted.i_q3, accepted.i_q4);
+    if (advance.lost_x) {
+        faults |= 0x00000400u;
+    }
+    if (advance.lost_z) {
+        faults |= 0x00000800u;
+    }
+    out->i_a1 = commutation.i_a1;
+    out->i_b1 = commutation.i_b1;
+    out->i_c1 = commutation.i_c1;
+    out->i_a2 = commutation.i_a2;
+    out->i_b2 = commutation.i_b2;
+    out->i_c2 = commutation.i_c2;
+    out->i_a3 = commutation.i_a3;
+    out->i_b3 = commutation.i_b3;
+    out->i_c3 = commutation.i_c3;
+    out->i_a4 = commutation.i_a4;
+    out->i_b4 = commutation.i_b4;
+    out->i_c4 = commutation.i_c4;
+
+    if (diagnostics != NULL) {
+        diagnostics->faults = faults;
+    }
+    return faults;
+}
+
+uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out)
+{
+    return maglev_5dof_precise_phase_body(state, in, out, NULL);
+}
+
+#if defined(MAGLEV_5DOF_PRECISE_PHASE_DIAGNOSTICS)
+uint32_t maglev_5dof_precise_phase_step_diagnosed(maglev_5dof_precise_phase_state_t *state,
+    const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out,
+    maglev_5dof_precise_phase_diagnostics_t *diagnostics)
+{
+    return maglev_5dof_precise_phase_body(state, in, out, diagnostics);
+}
+#endif

@@ -107,6 +107,18 @@ extern "C" {
 #endif
 
 typedef struct {
+    float last_i_AA;                    /* A, -1.26 .. 1.26: last output */
+    float last_i_AB;                    /* A, -1.26 .. 1.26: last output */
+    float last_i_AC;                    /* A, -1.26 .. 1.26: last output */
+    float last_i_BA;                    /* A, -1.26 .. 1.26: last output */
+    float last_i_BB;                    /* A, -1.26 .. 1.26: last output */
+    float last_i_BC;                    /* A, -1.26 .. 1.26: last output */
+    float last_i_CA;                    /* A, -1.26 .. 1.26: last output */
+    float last_i_CB;                    /* A, -1.26 .. 1.26: last output */
+    float last_i_CC;                    /* A, -1.26 .. 1.26: last output */
+} planar_6dof_leadlag_safe_output_state_t;
+
+typedef struct {
     float integral;                     /* A: integral of the error */
     float lead;                         /* A: state of the lead filter */
 } planar_6dof_leadlag_loop_state_t;
@@ -116,6 +128,60 @@ typedef struct {
     float s;                            /* m or rad: predicted velocity times T */
     float h;                            /* m or rad: predicted acceleration times T^2/2 */
 } planar_6dof_leadlag_filter_state_t;
+
+typedef struct {
+    float x_position;                   /* m, -0.2 .. 0.2: position predicted for this sample */
+    float x_rate;                       /* m, -0.002 .. 0.002: predicted rate times the sample period */
+    float x_disturbance;                /* m, -1.6e-05 .. 1.6e-05: T^2 / 2 times the disturbance */
+    float y_position;                   /* m, -0.2 .. 0.2: position predicted for this sample */
+    float y_rate;                       /* m, -0.002 .. 0.002: predicted rate times the sample period */
+    float y_disturbance;                /* m, -1.6e-05 .. 1.6e-05: T^2 / 2 times the disturbance */
+    float phi_position;                 /* rad, -0.05 .. 0.05: position predicted for this sample */
+    float phi_rate;                     /* rad, -0.04 .. 0.04: predicted rate times the sample period */
+    float phi_mean;                     /* rad, -0.075075 .. 0.075075: mean innovation */
+} planar_6dof_leadlag_reckoning_state_t;
+
+typedef struct {
+    uint32_t contradiction_left;        /* 1, 0 .. 4: samples for which a contradiction is still remembered */
+    uint32_t contradiction_confirmed;   /* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
+    /* V^2, -10000 .. 10000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
+    float first_m_x;
+    /* V^2, -10000 .. 10000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
+    float first_m_y;
+    /* V, -200 .. 200: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
+    float first_r_1;
+    /* V, -200 .. 200: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
+    float first_r_2;
+    float first_s_x;                    /* V, -10 .. 10: sine voltage of x, at the first contradiction */
+    float first_s_y;                    /* V, -10 .. 10: sine voltage of y, at the first contradiction */
+    float first_phi;                    /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
+    float offset_x;                     /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
+    float offset_y;                     /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
+    float innovation_phi;               /* rad, -0.075 .. 0.075: raw yaw of the sample before less the predicted one */
+    float phi_raw;                      /* rad, -0.025 .. 0.025: raw yaw of the sample before */
+    uint32_t watch_channel;             /* 1, 0 .. 5: index of the watched channel, from 0 */
+    /* 1, 0 .. 15: 1 .. N: codes in a row that are still missing; N + 1 between two watches */
+    uint32_t watch_left;
+    uint32_t frozen;                    /* 1, 0 .. 6: number of the channel whose code repeats, from 1; 0: none */
+    float watch_code;                   /* V, -5 .. 5: of the watched channel, at first */
+    float scale;                        /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
+} planar_6dof_leadlag_sensing_state_t;
+
+typedef struct {
+    float last_d1;                      /* m, -0.0005 .. 0.0005: last good value */
+    float last_d2;                      /* m, -0.0005 .. 0.0005: last good value */
+    float last_d3;                      /* m, -0.0005 .. 0.0005: last good value */
+    float last_x_ref;                   /* m, -0.11 .. 0.11: last good value */
+    float last_y_ref;                   /* m, -0.1 .. 0.1: last good value */
+    float last_phi_ref;                 /* rad, -0.008 .. 0.008: last good value */
+    float last_z_ref;                   /* m, -0.0002 .. 0.0002: last good value */
+    float last_theta_ref;               /* rad, -0.002 .. 0.002: last good value */
+    float last_psi_ref;                 /* rad, -0.002 .. 0.002: last good value */
+    /* 1, 1 .. 29: samples with a bad measurement until it latches; at 24 and below each sample counts as bad */
+    uint32_t left;
+    uint32_t latched;                   /* 1, 0 .. 1: latched until init */
+    uint32_t ready;                     /* 1, 0 .. 1: every measurement was good at once */
+} planar_6dof_leadlag_guard_state_t;
 
 typedef struct {
     float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
@@ -148,51 +214,9 @@ typedef struct {
 } planar_6dof_leadlag_output_t;
 
 typedef struct {
-    float guard_last_d1;                /* m, -0.0005 .. 0.0005: last good value */
-    float guard_last_d2;                /* m, -0.0005 .. 0.0005: last good value */
-    float guard_last_d3;                /* m, -0.0005 .. 0.0005: last good value */
-    float guard_last_x_ref;             /* m, -0.11 .. 0.11: last good value */
-    float guard_last_y_ref;             /* m, -0.1 .. 0.1: last good value */
-    float guard_last_phi_ref;           /* rad, -0.008 .. 0.008: last good value */
-    float guard_last_z_ref;             /* m, -0.0002 .. 0.0002: last good value */
-    float guard_last_theta_ref;         /* rad, -0.002 .. 0.002: last good value */
-    float guard_last_psi_ref;           /* rad, -0.002 .. 0.002: last good value */
-    /* 1, 1 .. 29: samples with a bad measurement until it latches; at 24 and below each sample counts as bad */
-    uint32_t guard_left;
-    uint32_t guard_latched;             /* 1, 0 .. 1: latched until init */
-    uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    uint32_t sensing_contradiction_left; /* 1, 0 .. 4: samples for which a contradiction is still remembered */
-    uint32_t sensing_contradiction_confirmed; /* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
-    /* V^2, -10000 .. 10000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
-    float sensing_first_m_x;
-    /* V^2, -10000 .. 10000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
-    float sensing_first_m_y;
-    /* V, -200 .. 200: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
-    float sensing_first_r_1;
-    /* V, -200 .. 200: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
-    float sensing_first_r_2;
-    float sensing_first_s_x;            /* V, -10 .. 10: sine voltage of x, at the first contradiction */
-    float sensing_first_s_y;            /* V, -10 .. 10: sine voltage of y, at the first contradiction */
-    float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
-    float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
-    float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
-    float sensing_innovation_phi;       /* rad, -0.075 .. 0.075: raw yaw of the sample before less the predicted one */
-    float sensing_phi_raw;              /* rad, -0.025 .. 0.025: raw yaw of the sample before */
-    uint32_t sensing_watch_channel;     /* 1, 0 .. 5: index of the watched channel, from 0 */
-    /* 1, 0 .. 15: 1 .. N: codes in a row that are still missing; N + 1 between two watches */
-    uint32_t sensing_watch_left;
-    uint32_t sensing_frozen;            /* 1, 0 .. 6: number of the channel whose code repeats, from 1; 0: none */
-    float sensing_watch_code;           /* V, -5 .. 5: of the watched channel, at first */
-    float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
-    float reckoning_x_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
-    float reckoning_x_rate;             /* m, -0.002 .. 0.002: predicted rate times the sample period */
-    float reckoning_x_disturbance;      /* m, -1.6e-05 .. 1.6e-05: T^2 / 2 times the disturbance */
-    float reckoning_y_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
-    float reckoning_y_rate;             /* m, -0.002 .. 0.002: predicted rate times the sample period */
-    float reckoning_y_disturbance;      /* m, -1.6e-05 .. 1.6e-05: T^2 / 2 times the disturbance */
-    float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
-    float reckoning_phi_rate;           /* rad, -0.04 .. 0.04: predicted rate times the sample period */
-    float reckoning_phi_mean;           /* rad, -0.075075 .. 0.075075: mean innovation */
+    planar_6dof_leadlag_guard_state_t guard;
+    planar_6dof_leadlag_sensing_state_t sensing;
+    planar_6dof_leadlag_reckoning_state_t reckoning;
     planar_6dof_leadlag_filter_state_t filter_x;
     planar_6dof_leadlag_filter_state_t filter_y;
     planar_6dof_leadlag_filter_state_t filter_phi;
@@ -202,18 +226,10 @@ typedef struct {
     planar_6dof_leadlag_loop_state_t loop_z;
     planar_6dof_leadlag_loop_state_t loop_theta;
     planar_6dof_leadlag_loop_state_t loop_psi;
+    planar_6dof_leadlag_safe_output_state_t safe_output;
     float delay_x;                      /* A, -1.449 .. 1.449: demand that acts until the next sample */
     float delay_y;                      /* A, -2.6145 .. 2.6145: demand that acts until the next sample */
     float delay_phi;                    /* A, -2.52 .. 2.52: demand that acts until the next sample */
-    float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
-    float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
-    float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */
-    float safe_output_last_i_BA;        /* A, -1.26 .. 1.26: last output */
-    float safe_output_last_i_BB;        /* A, -1.26 .. 1.26: last output */
-    float safe_output_last_i_BC;        /* A, -1.26 .. 1.26: last output */
-    float safe_output_last_i_CA;        /* A, -1.26 .. 1.26: last output */
-    float safe_output_last_i_CB;        /* A, -1.26 .. 1.26: last output */
-    float safe_output_last_i_CC;        /* A, -1.26 .. 1.26: last output */
 } planar_6dof_leadlag_state_t;
 
 /* The layout is the same on every target. */
@@ -261,7 +277,6 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
     planar_6dof_leadlag_output_t *out);
 
-#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
  * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 phi_next, 2 i_CQ, 3 i_AD, 4 i_BD,
  * 5 i_CD. */
@@ -323,6 +338,7 @@ typedef struct {
     uint32_t saturated;                 /* signals at their limits in the last step */
 } planar_6dof_leadlag_diagnostics_t;
 
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
 /* The step; `diagnostics` may be null. */
 uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
     planar_6dof_leadlag_output_t *out, planar_6dof_leadlag_diagnostics_t *diagnostics);

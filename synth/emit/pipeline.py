@@ -14,29 +14,26 @@
     safe, ranges, kinds            the same proof on the result; next states and outputs stay in their declared ranges
     guards.guarded                 the guard of an input becomes one call
     guards.slewed                  a rate limit becomes one call
-    grouping.with_numbers          a literal that a Block declares becomes a constant with a name
-    outline.alike, sections.outlined  Blocks that are one program but for names and numbers become calls of one function
+    numbers.with_numbers           a literal that a Block declares becomes a constant with a name
+    parts.with_idle_results        what others do not read is not computed
+    parts.alike, routine.outlined  each Block becomes a function that the step calls, like Blocks the same one
     equations.by_block             equations of the composed expressions, for the comments
 
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """
 
 import re
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from synth.base import cache
 from synth.block import Block, Constant
-from synth.emit.c import c_text, equations, header, printer, sections
+from synth.emit.c import c_text, equations, printer, routine
 from synth.emit.c import lines as wrapping
-from synth.emit.c.routine import Group
-from synth.emit.passes import fault_flags, fold, grouping, guards, schedule, surrogates
-from synth.emit.passes import outline as alike
-from synth.emit.passes.outline import Statement
+from synth.emit.passes import fault_flags, fold, guards, numbers, parts, schedule, surrogates
+from synth.emit.passes.schedule import Statement
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program import layout, lower
 from synth.emit.program.layout import Layout
@@ -45,7 +42,6 @@ from synth.emit.proof import ranges, safe
 from synth.errors import EmitError
 from synth.signals import product_unit
 
-CERTAIN = 24  # operations that calls do not print again: more lines than a function and its calls need
 _LOCAL = re.compile(r"^ +(?:const )?(?:float|double|bool|uint32_t) (\w+)(?: =|;)", re.MULTILINE)
 
 
@@ -78,7 +74,7 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
 class Source:
     """The lines of <name>.c and what header, manifest and cost are made of.
 
-    `program` is the printed program with its calls, `reduced` the one before them. `grouping` are the constants that
+    `program` is the printed program with its calls, `reduced` the one before them. `numbers` are the constants that
     printing has named, and `of_plant` all that the program reads and that follow from parameters of the plant.
     """
 
@@ -99,9 +95,8 @@ def c_source(block: Block, scalar: type[np.floating], libm: bool, error: float |
     """
     reduced = reduce(block, scalar, libm, error)
     layout.layout(block, scalar)
-    printed = _outline(reduced, scalar)
-    outlined, memory = printed.reduced, printed.memory
-    lines = tuple(wrapping.wrapped(source(outlined, memory, printed.statements)))
+    outlined, memory, statements = _outline(reduced, scalar)
+    lines = tuple(wrapping.wrapped(source(outlined, memory, statements)))
     gains = {c.name for c in reduced.block.constants}
     named = tuple(c for c in outlined.block.constants if c.name not in gains)
     read = {n.name for n in reduced.program.nodes if n.op == "constant"}
@@ -147,57 +142,17 @@ def _without_certificates(program: Program) -> Program:
     return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
 
 
-def _outline(reduced: Reduced, scalar: type[np.floating]) -> "_Printed":
-    """Return what is printed, with a call for each Block that is like another where that is shorter.
-
-    Each result of a call beyond the first, which passes through a struct in memory, must save a line more.
-    """
-    program, block = grouping.with_numbers(guards.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
-    composed, _ = grouping.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
-    reduced = replace(reduced, block=block)
-    groups = alike.alike(program)
-    kept = _print(reduced, program, groups, scalar)
-    for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
-        tried = [group for group in groups if tuple(part.block for part, _ in group) == blocks]
-        returned = sum(max(len(group[0][1].results) - 1, 0) for group in tried)
-        if kept.lines < sys.maxsize and _repeated_operations(tried) >= CERTAIN + 2 * returned:
-            continue
-        fewer = [group for group in groups if group not in tried]
-        flat = _print(reduced, program, fewer, scalar)
-        if flat.lines <= kept.lines + returned:
-            groups, kept = fewer, flat
-    explained = replace(kept.reduced.program, equations=equations.by_block(composed, kept.variables))
-    return kept._replace(reduced=replace(kept.reduced, program=explained))
-
-
-def _repeated_operations(groups: Sequence[Group]) -> int:
-    """Return how many operations a call for each Part does not print again; two are more than a line."""
-    return sum((len(group) - 1) * len(group[0][0].region) for group in groups)
-
-
-class _Printed(NamedTuple):
-    """A program, its layout and statements, the lines of code of its header and source, the names of its locals."""
-
-    reduced: Reduced
-    memory: Layout
-    statements: tuple[Statement, ...]
-    lines: int
-    variables: frozenset[str]
-
-
-def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: type[np.floating]) -> _Printed:
-    values = {c.name: c.value for c in reduced.block.constants}
-    made = replace(reduced, program=sections.outlined(program, values, groups))
-    memory = layout.layout(made.block, scalar, sections.owners(made.program))
-    text, statements = header.header(made.block, memory, made.program), schedule.statements(made.program)
-    rows = [*(line.text for line in source(made, memory, statements)), *text.splitlines()]
-    code = [*filter(_is_code, rows)]
-    lines = len(code) if memory.is_contiguous else sys.maxsize
-    return _Printed(made, memory, statements, lines, frozenset(_LOCAL.findall("\n".join(code))))
-
-
-def _is_code(row: str) -> bool:
-    return not row.strip().startswith(("/*", "*")) and row.strip() != ""
+def _outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layout, tuple[Statement, ...]]:
+    """Return what is printed: the program whose Parts are calls, its layout and its statements."""
+    program, block = numbers.with_numbers(guards.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
+    composed, _ = numbers.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
+    program, values = parts.with_idle_results(program), {c.name: c.value for c in block.constants}
+    made = replace(reduced, block=block, program=routine.outlined(program, values, parts.alike(program)))
+    memory = layout.layout(made.block, scalar, routine.owners(made.program))
+    statements = schedule.statements(made.program)
+    code = "\n".join(line.text for line in source(made, memory, statements))
+    shown = equations.by_block(composed, frozenset(_LOCAL.findall(code)))
+    return replace(made, program=replace(made.program, equations=shown)), memory, statements
 
 
 def source(reduced: Reduced, memory: Layout, statements: Sequence[Statement]) -> list[printer.Line]:

@@ -13,8 +13,8 @@ choice count, although a step takes only one.
 
 Line table of a linked image: source file and line of a machine address, from the DWARF data of -g (`addr2line`).
 
-For inlined code the line table names the line in the inlined function. `calls` gives the lines of the outermost calls
-that were inlined into a function.
+For inlined code the line table names the line in the inlined function. `calls` gives the lines of the calls that were
+inlined into a function, and what is called.
 """
 
 from bisect import bisect_right
@@ -93,22 +93,23 @@ def read(path: Path) -> Lines:
 
 @dataclass(frozen=True)
 class Call:
-    """An inlined call: addresses low <= a < high, and the line of the call in the caller."""
+    """An inlined call: addresses low <= a < high, the line of the call in the caller, and the function that is called."""
 
     low: int
     high: int
     line: int
+    function: str
 
 
 def calls(path: Path, function: str) -> tuple[Call, ...]:
-    """Return the calls that were inlined into a function; empty without -g."""
+    """Return the calls that were inlined into a function, each before those inside it; empty without -g."""
     with path.open("rb") as file:
         elf = ELFFile(file)
         if not elf.has_dwarf_info():
             return ()
         info = elf.get_dwarf_info()
         return tuple(
-            Call(low, high, die.attributes["DW_AT_call_line"].value)
+            Call(low, high, die.attributes["DW_AT_call_line"].value, _name(die.get_DIE_from_attribute(_ORIGIN)))
             for unit in info.iter_CUs()
             for top in unit.get_top_DIE().iter_children()
             if top.tag == "DW_TAG_subprogram" and _name(top) == function
@@ -118,17 +119,20 @@ def calls(path: Path, function: str) -> tuple[Call, ...]:
         )
 
 
+_ORIGIN = "DW_AT_abstract_origin"
+
+
 def _name(die: DIE) -> str:
     attribute = die.attributes.get("DW_AT_name")
     return attribute.value.decode() if attribute else ""
 
 
 def _inlined_calls(die: DIE) -> Iterator[DIE]:
-    """Yield the outermost inlined calls below an entry."""
+    """Yield the inlined calls below an entry, each before those inside it."""
     for child in die.iter_children():
         if child.tag == "DW_TAG_inlined_subroutine":
             yield child
-        elif child.tag == "DW_TAG_lexical_block":
+        if child.tag in ("DW_TAG_inlined_subroutine", "DW_TAG_lexical_block"):
             yield from _inlined_calls(child)
 
 

@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 
 from synth.block import Block
 from synth.declare.companion import Companion
+from synth.emit.c import expressions
 from synth.emit.write import EmittedCode
 from synth.errors import EmitError, SignalError
 from synth.execute import cross, elf, host, image, recorder
@@ -201,6 +202,7 @@ COMMON = 500  # closed-loop steps for every generator; CasADi's C takes 60,000 i
 BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps for a measurement of a few seconds
 NOT_COMPARED = "other compilers and generators, and every decision: by `synth cost`"
 FUNCTIONS = 8  # functions that are listed
+ONE_OPERATION = tuple(f"_{name}" for name in (*expressions.HELPERS, *expressions.GUARDS, "polynomial"))
 _LINES = ("-g1",)  # adds lines and inlined calls; the code is unchanged. Tables of variables take as long as the code
 
 
@@ -427,7 +429,7 @@ def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: h
 def coverage(candidate: Candidate, measured: Run, build: Build) -> Coverage:
     """Return the decision coverage of a run in the functions of a candidate, with a text for each missing outcome.
 
-    For a decision in an inlined function the text gives the line of the call.
+    For a decision in an inlined function of one operation, such as a limit, the text gives the line of the call.
     """
     missing_sites = measured.cost.missing
     table = cost.read(measured.path) if missing_sites else cost.Lines((), ())
@@ -441,7 +443,8 @@ def coverage(candidate: Candidate, measured: Run, build: Build) -> Coverage:
 
 def _source(candidate: Candidate, table: cost.Lines, inlined: Sequence[cost.Call], address: int) -> str:
     name, line = table.at(address)
-    line = next((call.line for call in inlined if call.low <= address < call.high), line)
+    around = [call for call in inlined if call.low <= address < call.high]
+    line = next((call.line for call in around if call.function.endswith(ONE_OPERATION)), line)
     text = candidate.files.get(name, "").splitlines()
     return f"; {name}:{line}: {text[line - 1].strip()}" if 0 < line <= len(text) else ""
 

@@ -136,7 +136,7 @@ def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("empty_cache")
 def test_emission_grows_linearly_with_the_number_of_axes() -> None:
     ratios = growth()
-    assert 3.1 < ratios["nodes"] < 4.05 and 3.1 < ratios["calls"] < 3.7, ratios
+    assert 3.1 < ratios["nodes"] < 4.05 and 3.1 < ratios["calls"] < 4.05, ratios
     assert 1 < ratios["lines"] < 4.05, ratios  # what the axes share is printed once
 
 

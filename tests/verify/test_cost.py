@@ -147,7 +147,7 @@ def test_an_uncovered_branch_is_reported_with_its_line(
 @pytest.mark.parametrize("compiler", tools.CROSS_COMPILERS)
 def test_an_unreachable_branch_is_reported(compiler: str, sequences: list[Steps]) -> None:
     text = EMITTED.files["axes_2.c"].replace(
-        "    return faults;", "    if (in->q1 == 0.0123456f) { state->guard_ready = 7u; }\n    return faults;"
+        "    return faults;", "    if (in->q1 == 0.0123456f) { state->guard.ready = 7u; }\n    return faults;"
     )
     planted = meter.emitted_source(EmittedCode(EMITTED.files | {"axes_2.c": text}, EMITTED.manifest))
     everything = steps.concatenate("all", sequences)

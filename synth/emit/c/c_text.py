@@ -16,16 +16,16 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import groupby
 from textwrap import wrap
 
 import casadi as ca
 
 from synth.block import Block
 from synth.emit.c import diagnostics, routines
-from synth.emit.c.expressions import constant, literal
+from synth.emit.c.expressions import constant, literal, mask
 from synth.emit.c.header import init_head, step_head
 from synth.emit.c.lines import Line, comment, prose
-from synth.emit.c.sections import with_constants
 from synth.emit.passes.guards import guard_function
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program.layout import Layout
@@ -110,23 +110,30 @@ def source(
     called = routines.functions(block, program, layout)
     compares = any(f"{block.name}_equal(" in line.text for line in (*called, *body))
     parts += ["#include <stdbool.h>"] if compares or "logical" in kinds(program) else []
-    parts += [*diagnostics.includes(block, program), *_refusals()]
+    parts += [*(["#include <stddef.h>"] if diagnostics.records(program) else []), *_refusals()]
     parts += _helpers(block.name, used, layout)
-    if any("_flag(" in line.text for line in body if "/*" not in line.text):
+    if any("_flag(" in line.text for line in (*called, *body) if "/*" not in line.text):
         parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
     parts += _equal(block.name, layout) if compares else []
-    parts += _inline(block, program) if program.calls or any(n.op == "guard" for n in program.nodes) else []
+    inlines = program.calls or diagnostics.records(program) or any(n.op == "guard" for n in program.nodes)
+    parts += _inline(block, program) if inlines else []
     parts += _guards(block, program, layout)
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
-    head = diagnostics.definition_head(block, step_head(block.name), program)
-    shared, body = with_constants(body, _constants(block, program, layout))
-    step = [*_init(block, layout), "", *head, "{", *(line.text for line in shared), *([""] if shared else [])]
-    step += diagnostics.entry_statements(block, program)
+    shared = [row for declare in _constants(block, program, layout).values() for row in declare("    ")]
+    observes = diagnostics.records(program)
+    head = step_head(block.name)
+    if observes:
+        pointers = head.partition("(")[2].removesuffix(")")
+        pointers += f", {diagnostics.parameter(block, program)}"
+        head = f"{routines.inline(block)} uint32_t {block.name}_body({pointers})"
+    step = [*_init(block, layout), "", head, "{", *shared, *([""] if shared else [])]
+    step += diagnostics.entry_statements(program)
     ending = diagnostics.exit_statements(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
-    whole = diagnostics.join(body[:-1], [*map(Line, ending)])
-    return [*map(Line, parts), *called, *map(Line, step), *whole, body[-1], Line("}")]
+    last = ["}", *(["", *diagnostics.steps(block, step_head(block.name))] if observes else [])]
+    called += _guard_inputs(block, program, layout)
+    return [*map(Line, parts), *called, *map(Line, step), *body[:-1], *map(Line, [*ending, body[-1].text, *last])]
 
 
 def _refusals() -> list[str]:
@@ -211,6 +218,34 @@ def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
     return lines
 
 
+def _guard_inputs(block: Block, program: Program, layout: Layout) -> list[Line]:
+    """Return the function that guards every input."""
+    guards = [n for n in program.nodes if n.op == "guard"]
+    if not guards:
+        return []
+    name = block.name
+    refused = {n.name for n in (program.nodes[g.args[1]] for g in guards) if n.op == "constant"}
+    declared = [
+        row for c in block.constants if c.name in refused for row in routines.number(constant(c.name), c, layout)
+    ]
+    rows = [f"    {name}_input_t accepted = *in;"]
+    for g in guards:
+        source, fallback, *bounds, _ = (program.nodes[a] for a in g.args)
+        kept = f"&state->{program.paths.get(g.name, g.name)}"
+        if not g.name:
+            kept = constant(fallback.name) if fallback.op == "constant" else literal(fallback.value, layout.scalar).c
+        limits = [literal(b.value, layout.scalar).c for b in bounds]
+        passed = ", ".join([f"in->{source.name}", *limits, kept, mask(g), "faults"])
+        rows.append(f"    accepted.{source.name} = {name}_{guard_function(g)}({passed});")
+    pointers = f"const {name}_input_t *in, uint32_t *faults"
+    pointers = f"{name}_state_t *state, {pointers}" if any(g.name for g in guards) else pointers
+    return [
+        *map(Line, comment("Each input in its range, else what is held or refused, with its bit of the fault word.")),
+        Line(f"{routines.inline(block)} {name}_input_t {name}_guard_inputs({pointers})"),
+        *map(Line, ["{", *declared, *rows, "    return accepted;", "}", ""]),
+    ]
+
+
 def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
     """Return the C function that evaluates a surrogate by Horner's rule in t; in t^2 for an odd or even polynomial."""
     p, t = s.polynomial, "t"
@@ -242,7 +277,9 @@ def _table(name: str, values: Sequence[float], layout: Layout, indent: str) -> l
 
 def _constants(block: Block, program: Program, layout: Layout) -> dict[str, Callable[[str], Sequence[str]]]:
     """Return by name in C what declares each constant of the step behind an indentation."""
-    read = {n.name for n in program.nodes if n.op in ("constant", "literal")}
+    operands = {program.nodes[a] for n in program.nodes if n.op != "guard" for a in n.args}
+    operands |= {program.nodes[k] for k in program.ends()}
+    read = {n.name for n in operands if n.op in ("constant", "literal")}
     read |= {n.name for call in program.calls.values() if call.routine.by_value for n in call.numbers}
     declared: dict[str, Callable[[str], Sequence[str]]] = {}
     for c in block.constants:
@@ -261,12 +298,14 @@ def _behind(text: str, indent: str) -> list[str]:
 
 def _init(block: Block, layout: Layout) -> list[str]:
     """Return the function that gives each member its initial value; C gives those that are not named 0."""
-    paths = {f.name: f.path for f in layout.state.fields}
     texts = {s.name: f"{int(s.initial)}u" if s.integer else literal(s.initial, layout.scalar).c for s in block.states}
-    named = {s.name: texts[s.name] for s in block.states if s.initial or math.copysign(1, s.initial) < 0}
-    first = layout.state.fields[0].name
-    named = named or {first: texts.get(first, "0u")}
-    rows = [f"        .{paths[name]} = {text}," for name, text in named.items()]
+    named = {s.name for s in block.states if s.initial or math.copysign(1, s.initial) < 0}
+    fields = [f for f in layout.state.fields if f.name in named] or [layout.state.fields[0]]
+    rows = []
+    for part, members in groupby(fields, lambda f: f.part):
+        values = [f".{f.path.removeprefix(f'{part}.')} = {texts.get(f.name, '0u')}" for f in members]
+        values = [f".{part} = {{{', '.join(values)}}}"] if part else values
+        rows += [f"        {value}," for value in values]
     return [
         *(init_head(block.name), "{"),
         *("    /* A member that is not named is 0. */", f"    *state = ({block.name}_state_t){{", *rows, "    };", "}"),

@@ -1,6 +1,6 @@
 """Diagnostics of a step: internal signals, saturation and the cause of a latch, for a debugger or a log.
 
-The emitted C contains them only where the macro <NAME>_DIAGNOSTICS is defined:
+The step of the emitted C is a function that takes them, and each function of a Block records what it computes there:
 
     <name>_diagnostics_t                                    the recorded signals, and four words:
         samples                                             number of steps since the caller cleared the struct
@@ -10,8 +10,9 @@ The emitted C contains them only where the macro <NAME>_DIAGNOSTICS is defined:
     Without a latch, or without limits, the word of it is absent.
     <name>_step_diagnosed(state, in, out, diagnostics)      the step; it records nothing if `diagnostics` is NULL
 
-The struct belongs to the caller, who sets it to zero together with `init`. Without the macro the C of the step is the
-same as without this module, so diagnostics cost neither time nor memory.
+The struct belongs to the caller, who sets it to zero together with `init`. <name>_step_diagnosed exists only where the
+macro <NAME>_DIAGNOSTICS is defined. <name>_step passes a null pointer to functions that are all inlined, so diagnostics
+cost neither time nor memory.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +20,7 @@ from dataclasses import dataclass
 
 from synth.block import LATCH_BIT, Block
 from synth.blocks.guard import safety
-from synth.emit.c.lines import Line, comment, member, rows
+from synth.emit.c.lines import comment, member, rows
 from synth.emit.program.layout import Layout
 from synth.emit.program.lower import Program
 from synth.signals import Signal
@@ -36,22 +37,14 @@ _LEAVES = ("input", "state", "constant", "literal", "guard")  # operations of no
 
 @dataclass(frozen=True)
 class Diagnostics:
-    """The recorded signals by node, and the limited signals by node; bit k of `saturated` is for the k-th of these."""
+    """What one function records: signals by node, and by node of a limited signal its bit of `saturated`."""
 
     signals: Mapping[int, Signal]
-    limited: Mapping[int, Signal]
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether a step has no diagnostics."""
-        return not (self.signals or self.limited)
+    limited: Mapping[int, int]
 
 
-NO_DIAGNOSTICS = Diagnostics({}, {})
-
-
-def of_program(p: Program) -> Diagnostics:
-    """Return the diagnostics of a composition: outputs of its Blocks that the step does not return.
+def signals(p: Program) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
+    """Return the recorded and the limited signals of a composition: what its Blocks output and the step does not.
 
     A program of a single Block has none. If two recorded signals have the same name, neither is recorded.
     """
@@ -59,16 +52,33 @@ def of_program(p: Program) -> Diagnostics:
     outputs = {k: mark.signal for mark, k in p.marks if mark.signal is computed.get(k) and not mark.is_internal}
     returned = _returned_nodes(p)
     names = [s.name for s in outputs.values()]
-    recorded = {
-        k: s for k, s in outputs.items() if k not in returned and names.count(s.name) == 1 and s.name not in WORDS
-    }
-    limited = [(k, s) for k, s in computed.items() if p.nodes[k].op == "clamp"]
-    return Diagnostics(recorded, dict(limited[:MAX_LIMITED]))
+    recorded = [s for k, s in outputs.items() if k not in returned and names.count(s.name) == 1 and s.name not in WORDS]
+    limited = [s for k, s in computed.items() if p.nodes[k].op == "clamp"]
+    return tuple(recorded), tuple(limited[:MAX_LIMITED])
 
 
-def _words(block: Block, diagnostics: Diagnostics) -> dict[str, str]:
+def of_program(p: Program) -> Diagnostics:
+    """Return what the function of a program records itself, without what those record that it calls."""
+    called = [call.routine.program for call in p.calls.values()]
+    inside = {name for q in called if records(q) for name, _ in _nodes_by_name(q)}
+    named = {name: k for name, k in reversed(_nodes_by_name(p)) if name not in inside}
+    recorded = {named[s.name]: s for s in p.recorded if s.name in named}
+    limits = {named[s.name]: bit for bit, s in enumerate(p.limited) if s.name in named}
+    return Diagnostics(recorded, {k: bit for k, bit in limits.items() if p.nodes[k].op == "clamp"})
+
+
+def _nodes_by_name(p: Program) -> list[tuple[str, int]]:
+    return [*((mark.signal.name, k) for mark, k in p.marks), *p.returns.items()]
+
+
+def records(p: Program) -> bool:
+    """Tell whether the function of a program, or one that it calls, has something to record."""
+    return bool(p.recorded or p.limited)
+
+
+def _words(block: Block, p: Program) -> dict[str, str]:
     """Return what the words say, without those of a latch and of limits where the Block has none."""
-    absent = {"latch_cause": not block.latches, "saturated": not diagnostics.limited}
+    absent = {"latch_cause": not block.latches, "saturated": not p.limited}
     return {name: about for name, about in WORDS.items() if not absent.get(name)}
 
 
@@ -100,16 +110,12 @@ def prototype(name: str) -> str:
 
 def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
     """Return the struct and the prototype for the header."""
-    diagnostics = of_program(p)
-    if diagnostics.is_empty:
+    if not records(p):
         return []
-    bits = ", ".join(f"{bit} {s.name}" for bit, s in enumerate(diagnostics.limited.values()))
-    fields = [
-        (layout.ctype, s.name, f"{s.unit}: {s.about}" if s.about else s.unit) for s in diagnostics.signals.values()
-    ]
-    fields += [("uint32_t", name, about) for name, about in _words(block, diagnostics).items()]
+    bits = ", ".join(f"{bit} {s.name}" for bit, s in enumerate(p.limited))
+    fields = [(layout.ctype, s.name, f"{s.unit}: {s.about}" if s.about else s.unit) for s in p.recorded]
+    fields += [("uint32_t", name, about) for name, about in _words(block, p).items()]
     return [
-        f"#if defined({macro_name(block)})",
         *comment(
             "Signals and what happened: each signal from the last step that computed it, since a latch or another "
             "branch skips some. Set the struct to zero when you call init."
@@ -119,6 +125,7 @@ def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
         *(member(ctype, name, about) for ctype, name, about in fields),
         f"}} {block.name}_diagnostics_t;",
         "",
+        f"#if defined({macro_name(block)})",
         "/* The step; `diagnostics` may be null. */",
         *rows(f"{prototype(block.name)};"),
         "#endif",
@@ -128,68 +135,58 @@ def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
 
 def manifest_entry(block: Block, p: Program) -> dict[str, object]:
     """Return the entry of the manifest, empty where the step has no diagnostics."""
-    diagnostics = of_program(p)
-    if diagnostics.is_empty:
+    if not records(p):
         return {}
     return {
         "macro": macro_name(block),
         "function": f"{block.name}_step_diagnosed",
         "type": f"{block.name}_diagnostics_t",
-        "signals": {s.name: s.unit for s in diagnostics.signals.values()},
-        "words": list(_words(block, diagnostics)),
-        "saturated": [s.name for s in diagnostics.limited.values()],
+        "signals": {s.name: s.unit for s in p.recorded},
+        "words": list(_words(block, p)),
+        "saturated": [s.name for s in p.limited],
     }
 
 
-def definition_head(block: Block, step: str, p: Program) -> list[str]:
-    """Return the lines before the body of the step, whose prototype is `step`.
-
-    With the macro the body belongs to the step with diagnostics, and the step itself calls that function with NULL.
-    """
-    if of_program(p).is_empty:
-        return [step]
-    call = f"    return {block.name}_step_diagnosed(state, in, out, NULL);"
-    with_macro = [step, "{", call, "}", "", prototype(block.name)]
-    return [f"#if defined({macro_name(block)})", *with_macro, "#else", step, "#endif"]
+def parameter(block: Block, p: Program) -> str:
+    """Return the parameter of a function that records, "" for another one."""
+    return f"{block.name}_diagnostics_t *diagnostics" if records(p) else ""
 
 
-def includes(block: Block, p: Program) -> list[str]:
-    """Return the lines that include the header that defines NULL."""
-    return [] if of_program(p).is_empty else [f"#if defined({macro_name(block)})", "#include <stddef.h>", "#endif"]
+def steps(block: Block, step: str) -> list[str]:
+    """Return the functions that a caller calls, whose work is that of <name>_body; `step` is a prototype."""
+    call = f"    return {block.name}_body(state, in, out, {{}});"
+    diagnosed = [
+        f"#if defined({macro_name(block)})",
+        *rows(prototype(block.name)),
+        "{",
+        call.format("diagnostics"),
+        "}",
+    ]
+    return [*rows(step), "{", call.format("NULL"), "}", "", *diagnosed, "#endif"]
 
 
-def entry_statements(block: Block, p: Program) -> list[str]:
+def entry_statements(p: Program) -> list[str]:
     """Return the statements at the beginning of the step."""
-    diagnostics = of_program(p)
-    if diagnostics.is_empty:
+    if not records(p):
         return []
-    cleared = ["diagnostics->saturated = 0u;"] if diagnostics.limited else []
-    return _if_recording(block, ["diagnostics->samples += 1u;", *cleared], "    ")
+    cleared = ["diagnostics->saturated = 0u;"] if p.limited else []
+    return _if_recording(["diagnostics->samples += 1u;", *cleared], "    ")
 
 
 def exit_statements(block: Block, p: Program, word: str) -> list[str]:
     """Return the statements at the end of the step, whose fault word is the C expression `word`."""
-    if of_program(p).is_empty:
+    if not records(p):
         return []
     statements = [f"diagnostics->faults = {word};"]
     if block.latches:
         is_latched = f"({word} & 0x{1 << LATCH_BIT:08x}u) != 0u"
         statements += [f"if ((diagnostics->latch_cause == 0u) && ({is_latched})) {{"]
         statements += [f"    diagnostics->latch_cause = {word};", "}"]
-    return _if_recording(block, statements, "    ")
-
-
-def join(body: Sequence[Line], ending: Sequence[Line]) -> list[Line]:
-    """Return the lines of a body and of its ending, as one block where both record at the same depth."""
-    last = next((k for k in range(len(body) - 1, -1, -1) if body[k].text.startswith("#if ")), 0)
-    records = [line.text for line in body[-3:]] == ["    }", "#endif", ""]
-    if records and [*body[last : last + 2]] == [*ending[:2]]:
-        return [*body[:-3], *ending[2:]]
-    return [*body, *ending]
+    return _if_recording(statements, "    ")
 
 
 def record_statements(
-    block: Block, values: Sequence[tuple[Signal, str]], limits: Sequence[tuple[int, str]], indent: str
+    values: Sequence[tuple[Signal, str]], limits: Sequence[tuple[int, str]], indent: str
 ) -> list[str]:
     """Return the statements that record signals, and the bits of signals that are at their limits.
 
@@ -197,10 +194,9 @@ def record_statements(
     """
     statements = [f"diagnostics->{s.name} = {value};" for s, value in values]
     statements += [f"diagnostics->saturated |= ({test}) ? 0x{1 << bit:08x}u : 0u;" for bit, test in limits]
-    return _if_recording(block, statements, indent) if statements else []
+    return _if_recording(statements, indent) if statements else []
 
 
-def _if_recording(block: Block, statements: Sequence[str], indent: str) -> list[str]:
-    """Return the C that executes statements if the macro is defined and the caller wants diagnostics."""
-    body = [f"{indent}    {statement}" for statement in statements]
-    return [f"#if defined({macro_name(block)})", f"{indent}if (diagnostics != NULL) {{", *body, f"{indent}}}", "#endif"]
+def _if_recording(statements: Sequence[str], indent: str) -> list[str]:
+    """Return the C that executes statements if the caller wants diagnostics."""
+    return [f"{indent}if (diagnostics != NULL) {{", *(f"{indent}    {row}" for row in statements), f"{indent}}}"]

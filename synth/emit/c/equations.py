@@ -18,7 +18,7 @@ from itertools import chain, takewhile
 from textwrap import wrap
 
 from synth.blocks.guard import safety
-from synth.emit.passes import outline
+from synth.emit.passes import parts
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LIBM, LOGICAL
 
@@ -130,7 +130,7 @@ def _in_variables(text: "_Text", equations: Sequence[Equation], common: Mapping[
 def _variables_by_block(p: Program, names: Mapping[int, str]) -> dict[str, dict[int, str]]:
     """Return by Block the nodes without a signal that have the name of a variable of its law."""
     taken = {*names.values(), *(n.name for n in p.nodes if n.op in _LEAVES)}
-    owner, variables = outline.by_node(p), {block: dict[int, str]() for block in p.titles}
+    owner, variables = parts.by_node(p), {block: dict[int, str]() for block in p.titles}
     for k, name in p.labels.items():
         plain = p.nodes[k].op in (*_LEAVES, *HIDDEN)
         if owner[k] in variables and not plain and taken.isdisjoint((name, f"{owner[k]}_{name}")):

@@ -18,8 +18,15 @@ INFIX |= {"eq": ("==", 2), "ne": ("!=", 2), "and": ("&&", 1), "or": ("||", 0)}
 ATOM = 9
 ARITHMETIC = (4, 5)
 RESERVED = LIBM | {f"{function}f" for function in LIBM}
-RESERVED |= {"state", "in", "out", "parameters", "bool", "true", "false", "uint32_t"}
+RESERVED |= {"state", "in", "out", "parameters", "diagnostics", "bool", "true", "false", "uint32_t"}
+RESERVED |= {
+    *"auto break case char const continue default do double else enum extern float for goto if inline int long".split(),
+    *"register restrict return short signed sizeof static struct switch typedef union unsigned void volatile".split(),
+    *"while class delete explicit export friend mutable namespace new operator private protected public".split(),
+    *"template this throw try typename using virtual".split(),  # of C++, which compiles the header and the source as well
+}
 HELPERS = ("min", "max", "limit", "flag", "slew", "equal")
+GUARDS = ("hold", "hold_within", "replace", "replace_within")
 INLINE = ("literal", "constant", "argument", "parameter")  # printed wherever they are read
 
 

@@ -12,14 +12,10 @@ _OPEN_END = re.compile(r"(,|[^\w)\]}])$")
 
 @dataclass(frozen=True)
 class Line:
-    """One line of C, tagged with its Block and equation; the tag may be empty.
-
-    `joint` is the title of a branch of several short sections.
-    """
+    """One line of C, tagged with its Block and equation; the tag may be empty."""
 
     text: str
     tag: str = ""
-    joint: str = ""
 
 
 def wrapped(lines: Iterable[Line]) -> Iterator[Line]:

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from synth.block import Block
 from synth.emit.c import diagnostics
 from synth.emit.c.expressions import INLINE, RESERVED, constant
-from synth.emit.passes.outline import Assign, Branch, Let, Statement, Store
+from synth.emit.passes.schedule import Assign, Branch, Let, Statement, Store
 from synth.emit.program.lower import Node, Program
 
 LOADS = ("input", "state")
 SUMS = ("add", "sub")
-WORD = "faults"
+WORD, ACCEPTED = "faults", "accepted"
 
 
 class Names:
@@ -66,7 +66,7 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     taken |= {n.name for n in program.nodes if n.op == "polynomial"}
     taken |= {constant(n.name) for n in program.nodes if n.op == "table"}
     taken |= {n.name for n in program.nodes if n.op in ("argument", "parameter")}
-    taken |= {c.parameters for c in program.calls.values()}
+    taken |= {c.parameters for c in program.calls.values()} | {ACCEPTED}
     names = Names(taken)
     name = _name_nodes(program, names, shared)
     marked = {program.word, *(k for _, k in program.marks), *starts, *shared.values()}
@@ -232,7 +232,8 @@ def _next_states_alone(
             stored |= _next_states_alone(p, s.then, kinds, reads, named) | _next_states_alone(
                 p, s.other, kinds, reads, named
             )
-        if not isinstance(s, Let) or s.node in named or kinds[s.node] != "real" or p.nodes[s.node].op in LOADS:
+        printed = isinstance(s, Let) and p.nodes[s.node].op not in (*LOADS, "result")
+        if not isinstance(s, Let) or not printed or s.node in named or kinds[s.node] != "real":
             continue
         of_node = stores.get(s.node, [])
         states = [(i, t.name) for i, t in of_node if t.struct == "state" and t.name not in p.integers]

@@ -23,7 +23,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from synth.emit.c.locals import LOADS
-from synth.emit.passes import outline
+from synth.emit.passes import parts
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LOGICAL
 
@@ -50,7 +50,7 @@ class Naming:
         self.served = _signal_of_node(p)
         self.made: set[str] = set()
         self.signals = {k: mark.signal.name for mark, k in reversed(p.marks)}
-        self.owner = outline.by_node(p)
+        self.owner = parts.by_node(p)
         self.labels = Counter((self.owner[k], label) for k, label in p.labels.items())
         self.users = p.users()
 

@@ -10,16 +10,15 @@ from functools import partial
 import numpy as np
 
 from synth.block import Block
+from synth.blocks.guard import safety
 from synth.emit.c import diagnostics, naming
 from synth.emit.c import locals as variables
 from synth.emit.c.expressions import Expressions, Text, admission, mask
-from synth.emit.c.lines import Line, alternative, prose
+from synth.emit.c.lines import Line, alternative, opening, prose
 from synth.emit.c.locals import LOADS
 from synth.emit.c.routine import Routine
-from synth.emit.c.sections import Headings, Sections
-from synth.emit.passes import schedule
-from synth.emit.passes.guards import guard_function
-from synth.emit.passes.outline import Assign, Branch, Let, Statement, Store
+from synth.emit.passes import parts, schedule
+from synth.emit.passes.schedule import Assign, Branch, Let, Statement, Store
 from synth.emit.program.lower import Node, Program
 from synth.emit.proof.ranges import kinds
 
@@ -63,9 +62,8 @@ class _Printer:
         self.users = program.users()
         self.naming = naming.Naming(program, self.locals.name, self.locals.shared)
         self.c = Expressions(program, self.kinds, scalar, block.name, late)
-        self.block, self.watched, self.returned = block, diagnostics.NO_DIAGNOSTICS, dict[str, str]()
-        self.printed, self.sections = list[Line](), Sections(program)
-        self.tag = self.owner = self.joint = ""  # `joint` titles a branch of several short sections
+        self.block, self.watched, self.returned = block, diagnostics.of_program(program), dict[str, str]()
+        self.printed, self.owners, self.tag = list[Line](), parts.by_node(program), ""
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
 
     def routine(self, routine: Routine, title: str) -> list[Line]:
@@ -77,20 +75,35 @@ class _Printer:
         if len(texts) == 1:
             self._put(f"return {texts[routine.results[0].name]};", 1)
         elif texts:
-            fields = ", ".join(f".{name} = {text}" for name, text in texts.items())
+            fields = ", ".join(f".{r.name} = {texts[r.name]}" for r in routine.members)
             self._put(f"return ({self.block.name}_{routine.name}_t){{{fields}}};", 1)
         return self.printed
 
     def lines(self) -> list[Line]:
         """Return the lines."""
-        self.watched = diagnostics.of_program(self.p)
         self._block(self.statements, 1)
         self.tag = ""
-        idle = [p for p in ("in", "state") if not any(f"{p}->" in line.text for line in self.printed)]
+        idle = [p for p in ("in", "state") if not any(re.search(rf"\b{p}(->|,)", line.text) for line in self.printed)]
         self.printed[:0] = [*(Line(f"    (void){pointer};") for pointer in idle), *([Line("")] if idle else [])]
-        self.printed = [*Headings(self.block.name, self.p, self.printed).with_comments(), Line("")]
+        self.printed = [*self._with_headings(), Line("")]
         self._put(f"return {'0u' if self.p.word is None else self.c.integer(self.p.word).c};", 1)
         return self.printed
+
+    def _with_headings(self) -> list[Line]:
+        """Return the lines with a comment before the first one of each Block that has no function: it has its own."""
+        called = {call.block for call in self.p.calls.values()}
+        titles = {prose(title): block for block, title in self.p.titles.items() if block not in called}
+        printed: list[Line] = []
+        for line in self.printed:
+            block = titles.pop(line.tag, "")
+            if block and not line.text.strip().startswith("}"):
+                indent = line.text[: -len(line.text.lstrip())]
+                equations, notes = (of.get(block, ()) for of in (self.p.equations, self.p.notes))
+                rows = opening([line.tag], equations, notes, len(indent))
+                printed += [Line("")] if printed and not printed[-1].text.endswith("{") else []
+                printed += [Line(indent + row, line.tag) for row in rows]
+            printed.append(line)
+        return printed
 
     def _block(self, block: Sequence[Statement], depth: int) -> None:
         for s in block:
@@ -111,8 +124,8 @@ class _Printer:
         """Record the signals that a block of statements computes, for the diagnostics."""
         made = [k for s in block for k in variables.local_nodes(s) if k in self.c.text]
         values = [(self.watched.signals[k], self.c.value(k).c) for k in made if k in self.watched.signals]
-        limits = [(bit, self._at_limit(k)) for bit, k in enumerate(self.watched.limited) if k in made]
-        self.printed += map(Line, diagnostics.record_statements(self.block, values, limits, "    " * depth))
+        limits = [(bit, self._at_limit(k)) for k, bit in self.watched.limited.items() if k in made]
+        self.printed += map(Line, diagnostics.record_statements(values, limits, "    " * depth))
 
     def _at_limit(self, k: int) -> str:
         """Return the test whether a limited value is at its limit."""
@@ -126,8 +139,9 @@ class _Printer:
         return f"{variable} = {self.c.as_kind(s.node, self.kinds[s.choice]).c};"
 
     def _annotate(self, s: Statement) -> None:
-        if not self.joint:
-            self.owner, self.tag = self.sections.tag(s, self.owner, self.tag)
+        owner = self.owners[s.node] if isinstance(s, Let | Assign | Store) else ""
+        first = self.p.titles.get(safety.GUARD, next(iter(self.p.titles.values()), ""))
+        self.tag = prose(self.p.titles[owner]) if owner in self.p.titles else self.tag or prose(first) or "next states"
 
     def _let(self, k: int, depth: int) -> None:
         """Print node k as a local variable, or keep its text for the expression that reads it."""
@@ -153,7 +167,7 @@ class _Printer:
             self.c.text[k] = Text(place)
             return
         unnamed = k not in self.locals.name or k in self.locals.next_only
-        waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS and k not in self.late
+        waits = self.locals.reads[k] <= 1 and unnamed and node.op not in (*LOADS, "within") and k not in self.late
         # An analyser learns from a condition what it does not learn from a variable that holds it.
         width = _WIDTH if self.kinds[k] != "logical" else 2 * _WIDTH
         if waits and (self.naming.width(text.c) < width or k in self.locals.at_once):
@@ -171,7 +185,6 @@ class _Printer:
             self._put(admission(name, low, high), depth)
 
     def _branch(self, s: Branch, depth: int) -> None:
-        joint, self.joint = self.joint, self.joint or self.sections.joint_title(s)
         for c, start in s.choices:
             if c in self.locals.shared:
                 self.c.text[c] = self.c.text[self.locals.shared[c]]
@@ -181,15 +194,14 @@ class _Printer:
             self._put(f"{self.c.ctype(c)} {name}{value};", depth)
             self.c.text[c] = Text(name)
         condition, negation, tag = self.c.condition(s.condition), self.c.negation(s.condition), self.tag
-        owner = self.owner
         before, sides = self.printed, []
         for side in (s.then, s.other):
-            self.printed, self.tag, self.owner = [], tag, owner
+            self.printed, self.tag = [], tag
             for bound in self.c.bounds_of_squares(s.condition) if side is s.then else ():
                 self._put(bound, depth + 1)
             self._block(side, depth + 1)
             sides.append(self.printed)
-        (then, other), self.printed, self.tag, self.owner = sides, before, tag, owner
+        (then, other), self.printed, self.tag = sides, before, tag
         if then:
             self._put(f"if ({condition.c}) {{", depth)
             self.printed += then
@@ -200,7 +212,6 @@ class _Printer:
             self.printed += alternative(other, depth, self.tag)
         else:
             self._put("}", depth)
-        self.joint = joint
 
     def _store(self, s: Store, depth: int) -> None:
         node = self.p.nodes[s.node]
@@ -216,18 +227,15 @@ class _Printer:
         return self.p.paths.get(state, state)
 
     def _guard(self, k: int, depth: int) -> None:
-        """Call the guard of an input, which stores the input or sets its bit of the fault word."""
+        """Read an input behind its guard; the first one calls the function of all guards."""
         node = self.p.nodes[k]
-        source, fallback, *bounds, word = node.args
+        source, *_, word = node.args
         if self.p.nodes[word].op == "literal":
+            state = "state, " if any(n.op == "guard" and n.name for n in self.p.nodes) else ""
+            call = f"{self.block.name}_guard_inputs({state}in, &{variables.WORD})"
             self._put(f"uint32_t {variables.WORD} = 0u;", depth)
-        kept = f"&state->{self._path(node.name)}" if node.name else self.c.operand(fallback).c
-        limits = [self.c.value(b).c for b in bounds]
-        passed = [self.c.operand(source).c, *limits, kept, mask(node), f"&{variables.WORD}"]
-        call = f"{self.block.name}_{guard_function(node)}({', '.join(passed)});"
-        name = self.locals.name.get(k) or self._new_name(source)
-        self.c.text[k] = Text(name)
-        self._put(f"const {self.c.ctype(k)} {name} = {call}" if self.locals.reads[k] else f"(void){call}", depth)
+            self._put(f"const {self.block.name}_input_t {variables.ACCEPTED} = {call};", depth)
+        self.c.text[k] = Text(f"{variables.ACCEPTED}.{self.p.nodes[source].name}")
 
     def _is_guarded(self, k: int) -> bool:
         """Tell whether only a guard reads an input."""
@@ -243,6 +251,7 @@ class _Printer:
         elif routine.parameters:
             passed += [f"&{call.parameters}"]
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
+        passed += ["diagnostics"] if diagnostics.records(routine.program) else []
         text = f"{self.block.name}_{routine.name}({', '.join(passed)});"
         if len(routine.results) == 1:
             result = self.p.nodes.index(
@@ -260,7 +269,7 @@ class _Printer:
 
     def _put(self, text: str, depth: int) -> None:
         self._check_loads(text)
-        self.printed.append(Line("    " * depth + text, self.tag, self.joint))
+        self.printed.append(Line("    " * depth + text, self.tag))
 
     def _can_wait(self, node: Node) -> bool:
         return node.op == "state" and node.name not in self.late and node.name not in self.p.integers

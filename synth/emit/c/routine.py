@@ -1,4 +1,11 @@
-"""Routines: the function that several Blocks have in common, as a program of its own."""
+"""Routines: each Part of a composition as a program of its own, and the step that calls them.
+
+    call      of a Routine for one Block: it reads its arguments and the Block's states, and stores the next ones
+    result    a value that a call returns
+    argument, parameter    in a Routine: what its caller passes, and a number that differs from Block to Block
+
+The states whose next values a call stores are one state of the step's program, under the name of the Part.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -6,18 +13,20 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from synth.block import ComputedSignal
-from synth.emit.c.expressions import HELPERS, RESERVED
+from synth.emit.c import diagnostics
+from synth.emit.c.expressions import GUARDS, HELPERS, RESERVED
 from synth.emit.c.naming import Naming
-from synth.emit.passes.outline import Form, Part
+from synth.emit.passes.parts import BOTH, THEN, Form, Part, latch
 from synth.emit.program import words
 from synth.emit.program.lower import Node, Program
 from synth.emit.proof.ranges import kinds
 
 Group = list[tuple[Part, Form]]
-BY_VALUE = 3  # numbers that need no struct, where the code reads each of them
+BY_VALUE = 1  # numbers that need no struct, where the code reads each of them
 LARGE = 60  # operations of a function that is worth its calls where the size of the code counts
 LOADS = ("input", "state", "constant", "literal", "argument", "parameter")
-TAKEN = {*HELPERS, "init", "step", "input", "output", "state", "hold", "hold_within", "replace", "replace_within"}
+_ORDER = {"integer": 1, "logical": 2}  # of members of a struct, the others first
+TAKEN = {*HELPERS, *GUARDS, "init", "step", "body", "guard_inputs", "input", "output", "state"}
 
 
 class Argument(NamedTuple):
@@ -42,6 +51,11 @@ class Routine:
     results: tuple[Argument, ...]
     states: tuple[str, ...]
     constants: Mapping[str, str]
+
+    @property
+    def members(self) -> tuple[Argument, ...]:
+        """The results in the order of the struct that returns several of them: numbers, counts, truth values."""
+        return tuple(sorted(self.results, key=lambda r: _ORDER.get(r.kind, 0)))
 
     @property
     def by_value(self) -> bool:
@@ -122,10 +136,12 @@ class _Builder:
     """Builds a Routine from the nodes of a group's first Part."""
 
     def __init__(self, p: Program, group: Group, constants: Mapping[str, float]) -> None:
-        self.p, self.group, self.kind = p, group, kinds(p)
+        self.p, self.group, self.kind, self.naming = p, group, kinds(p), Naming(p, {}, {})
         self.part, self.form = group[0]
         self.part_name = words.common([part.block for part, _ in group]) or self.part.block
-        self.names = Names({*RESERVED, "state", "parameters"})
+        self.names = Names({*RESERVED})
+        results = self._columns("results")
+        self.result_names = [self._free(self._common(column) or self._label(column)) for _, column in results]
         self.arguments = {k: self._argument(column) for k, column in self._columns("arguments")}
         self.parameters = {
             self.form.numbers[place]: self.names.free(self._number(place) or self._role(self.form.numbers[place]))
@@ -143,12 +159,15 @@ class _Builder:
         made = self._program(next)
         naming = Naming(made, {}, {})
         results = [
-            Argument(
-                self.names.free(self._common(column) or self._label(column) or naming.name(at)), self.kind[column[0]]
-            )
-            for at, (_, column) in zip(places, self._columns("results"), strict=True)
+            Argument(name or self.names.free(naming.name(at)), self.kind[column[0]])
+            for at, name, (_, column) in zip(places, self.result_names, self._columns("results"), strict=True)
         ]
         made = replace(made, returns={r.name: at for r, at in zip(results, places, strict=True)})
+        if len(self.group) == 1:
+            shown = {*made.returns, *(named.signal.name for named, _ in made.marks)}
+            limits = shown.intersection(s.name for s in self.p.limited)
+            recorded = tuple(s for s in self.p.recorded if s.name in shown)
+            made = replace(made, recorded=recorded, limited=self.p.limited if limits else ())
         states = dict.fromkeys((*next, *(n.name for n in self.nodes if n.op == "state")))
         parameters, arguments = tuple(self.parameters.values()), tuple(self.arguments.values())
         free = taken.free(f"{self.part_name}_{part.phase}" if part.phase else self.part_name)
@@ -194,7 +213,7 @@ class _Builder:
     def _node(self, k: int) -> Node:
         """Return a node of the Part as it is in the Routine."""
         node = self.p.nodes[k]
-        if k in self.part.region:
+        if k in self.part.region or k in self.part.copies:
             return replace(node, args=tuple(self._place(a) for a in node.args))
         if k in self.arguments:
             return Node("argument", name=self.arguments[k].name)
@@ -210,7 +229,13 @@ class _Builder:
         return node
 
     def _argument(self, column: Sequence[int]) -> Argument:
-        return Argument(self.names.free(self._common(column) or self._label(column) or "value"), self.kind[column[0]])
+        name = self._common(column) or self._label(column) or self.naming.name(column[0])
+        is_state = all(self.p.nodes[k].op == "state" for k in column)
+        name = f"{name}_before" if is_state and name in self.names.taken else name
+        return Argument(self.names.free(name), self.kind[column[0]])
+
+    def _free(self, name: str) -> str:
+        return self.names.free(name) if name else ""
 
     def _common(self, column: Sequence[int]) -> str:
         return words.common([name(self.p, k) for k in column]).removeprefix(f"{self.part_name}_")
@@ -237,3 +262,139 @@ class _Builder:
         if reader.op == "clamp" and place == 1:
             return "low"
         return {"clamp": "high", "mul": "factor", "min": "bound", "max": "bound"}.get(reader.op, "offset")
+
+
+def outlined(p: Program, constants: Mapping[str, float], groups: Sequence[Group]) -> Program:
+    """Return the program with a call for each Part of some groups; `constants` are the values by name."""
+    recorded, limited = diagnostics.signals(p)
+    p = replace(p, recorded=recorded, limited=limited)
+    taken = Names(set(TAKEN))
+    calls: dict[str, Call] = {}
+    parts: dict[str, tuple[Part, Form]] = {}
+    for group in groups:
+        calls |= _calls(p, group, taken, constants)
+        parts |= {part.key: (part, form) for part, form in group}
+    made = _Rewriter(p, parts, calls).program()
+    reached = {call.block for call in calls.values() if call.states}
+    blocks = {state: block for state in p.next if (block := p.owner(state)) in reached}
+    return replace(made, paths={s: f"{block}.{s.removeprefix(f'{block}_')}" for s, block in blocks.items()})
+
+
+def _calls(p: Program, group: Group, taken: Names, constants: Mapping[str, float]) -> dict[str, Call]:
+    """Return by Part the call of the function that a group has in common."""
+    shared = routine(p, group, taken, constants)
+    calls, places = {}, different(p, group, constants)
+    for part, form in group:
+        numbers = tuple(p.nodes[form.numbers[place]] for place in places)
+        states = {local: state for state, local in part.local.items() if local in shared.states}
+        names = tuple(name(p, k) or f"{part.key}_{r.name}" for k, r in zip(form.results, shared.results, strict=True))
+        calls[part.key] = Call(shared, part.block, numbers, names, states)
+    return calls
+
+
+class _Rewriter:
+    """Builds the program with calls, each node and call after its operands."""
+
+    def __init__(self, p: Program, parts: Mapping[str, tuple[Part, Form]], calls: Mapping[str, Call]) -> None:
+        self.p, self.parts, self.calls = p, parts, calls
+        self.within = {k: key for key, (part, _) in parts.items() for k in part.region}
+        self.nodes: list[Node] = []
+        self.index: dict[int, int] = {}
+        self.called: dict[str, int] = {}
+
+    def program(self) -> Program:
+        p = self.p
+        stored = {state for part, _ in self.parts.values() for state in part.next}
+        held = {p.next[state] for state in stored} - {*p.outputs.values()}
+        read = {a for k, node in enumerate(p.nodes) if k not in held | self.within.keys() for a in node.args}
+        for k in range(len(p.nodes)):
+            if (k not in held or k in read) and (k not in self.within or self.is_result(k)):
+                self.place(k)
+        outputs = {name: self.place(k) for name, k in p.outputs.items()}
+        next = {name: self.place(k) for name, k in p.next.items() if name not in stored}
+        next |= {key: self.store(key, part) for key, (part, _) in self.parts.items() if part.next}
+        word = None if p.word is None else self.place(p.word)
+        marks = tuple(
+            (n, self.place(k)) for n, k in p.marks if k not in self.within or k in self.index or self.is_result(k)
+        )
+        labels = {self.index[k]: name for k, name in p.labels.items() if k in self.index}
+        typed = {f"{key}.{r.name}": r.kind for key, call in self.calls.items() for r in call.routine.results}
+        p = replace(
+            p,
+            nodes=tuple(self.nodes),
+            marks=marks,
+            outputs=outputs,
+            next=next,
+            word=word,
+            calls=self.calls,
+            typed=typed,
+            labels=labels,
+        )
+        return p.with_nodes(p.nodes, range(len(p.nodes)))
+
+    def is_result(self, k: int) -> bool:
+        return k in self.parts[self.within[k]][0].results
+
+    def put(self, node: Node) -> int:
+        self.nodes.append(node)
+        return len(self.nodes) - 1
+
+    def place(self, k: int) -> int:
+        if k not in self.index:
+            self.index[k] = self.result(k) if k in self.within else self.copy(k)
+        return self.index[k]
+
+    def copy(self, k: int) -> int:
+        node = self.p.nodes[k]
+        return self.put(replace(node, args=tuple(self.place(a) for a in node.args)))
+
+    def result(self, k: int) -> int:
+        key = self.within[k]
+        routine, form = self.calls[key].routine, self.parts[key][1]
+        return self.put(Node("result", (self.call(key),), name=f"{key}.{routine.results[form.results.index(k)].name}"))
+
+    def call(self, key: str) -> int:
+        if key not in self.called:
+            part, form = self.parts[key]
+            args = [self.place(k) for k in form.arguments]
+            args += [self.load(key)] if self.calls[key].routine.states else []
+            # What others read of the states that it stores is loaded before, by the Block's own Parts as well.
+            args += [self.place(k) for k in self.loads(part)]
+            args += [self.call(earlier) for earlier in part.before]
+            self.called[key] = self.put(Node("call", tuple(args), name=key))
+        return self.called[key]
+
+    def loads(self, part: Part) -> list[int]:
+        """Return the loads of what a Part stores that something else than a function of its Block reads."""
+        direct = {(k, state) for q, _ in self.parts.values() for k in q.region for state in q.local}
+        loads = {k for k, node in enumerate(self.p.nodes) if node.op == "state" and node.name in part.next}
+        used = {(k, a) for k, node in enumerate(self.p.nodes) for a in node.args if a in loads}
+        read = {a for k, a in used if (k, self.p.nodes[a].name) not in direct}
+        return sorted(read | (loads & {*self.p.outputs.values()}))
+
+    def load(self, key: str) -> int:
+        node = Node("state", name=key)
+        return self.nodes.index(node) if node in self.nodes else self.put(node)
+
+    def store(self, key: str, part: Part) -> int:
+        if part.side == BOTH:
+            return self.call(key)
+        sides = (self.call(key), self.load(key))
+        return self.put(Node("choose", (self.place(latch(self.p)), *(sides if part.side == THEN else sides[::-1]))))
+
+
+def owners(p: Program) -> dict[str, str]:
+    """Return by state the Block whose struct it belongs to, of the Blocks whose functions reach their states."""
+    return {state: path.partition(".")[0] for state, path in p.paths.items()}
+
+
+def forms(p: Program) -> dict[tuple[str, ...], tuple[str, ...]]:
+    """Return for each set of states that several Blocks have the Blocks that have it; a count has the mark #."""
+    states: dict[str, list[str]] = {}
+    for state, path in p.paths.items():
+        block, _, local = path.partition(".")
+        states.setdefault(block, []).append(f"{local}#" if state in p.integers else local)
+    by_states: dict[tuple[str, ...], list[str]] = {}
+    for block, names in states.items():
+        by_states.setdefault(tuple(sorted(names)), []).append(block)
+    return {names: tuple(blocks) for names, blocks in by_states.items()}

@@ -11,7 +11,8 @@ from textwrap import wrap
 import numpy as np
 
 from synth.block import Block, Constant
-from synth.emit.c import printer, sections
+from synth.emit.c import diagnostics, printer
+from synth.emit.c import routine as calls
 from synth.emit.c.expressions import Text, literal
 from synth.emit.c.lines import Line, comment, member, opening, prose
 from synth.emit.c.routine import Call, Routine
@@ -41,7 +42,7 @@ def large(block: Block) -> str:
 def state_types(block: Block, p: Program) -> dict[str, str]:
     """Return by Block of the composition the type of its struct of states."""
     types: dict[str, str] = {}
-    for blocks in sections.forms(p).values():
+    for blocks in calls.forms(p).values():
         part = words.common(blocks) or blocks[0]
         name, n = part, 2
         while f"{block.name}_{name}_state_t" in types.values():
@@ -81,13 +82,14 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
         if routine.parameters and not routine.by_value:
             lines += map(Line, _parameters(block, routine, used, constants, layout))
         if len(routine.results) > 1:
-            rows = [f"    {_ctype(r.kind, layout)} {r.name};" for r in routine.results]
+            rows = [f"    {_ctype(r.kind, layout)} {r.name};" for r in routine.members]
             lines += map(Line, ["typedef struct {", *rows, f"}} {block.name}_{routine.name}_t;", ""])
         titles = [p.titles.get(c.block, c.block) for c in used]
-        tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
+        tags = dict.fromkeys(about for t in titles if (about := t.partition(": ")[2]))
         of_first = any(n.op == "literal" for n in used[0].numbers) and used[0].block in p.equations
-        numbers = f"; the numbers are those of {used[0].block}" if of_first else ""
-        about = wrap(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}{numbers}"), WIDTH - 2)
+        numbers = [f"the numbers are those of {used[0].block}"] if of_first else []
+        said = ": ".join(filter(None, [", ".join(c.block for c in used), "; ".join([*tags, *numbers])]))
+        about = wrap(prose(said), WIDTH - 2)
         first = used[0].block if used[0].block not in explained else ""
         explained |= {c.block for c in used}
         lines += [Line(row) for row in opening(about, p.equations.get(first, ()), p.notes.get(first, ()))]
@@ -145,7 +147,7 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
     passed = [f"{_ctype(a.kind, layout)} {a.name}" for a in routine.arguments]
     kinds = [r.kind for r in routine.results]
     returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
-    arguments = ", ".join(filter(None, [state, parameters, *passed]))
+    arguments = ", ".join(filter(None, [state, parameters, *passed, diagnostics.parameter(block, routine.program)]))
     head = f"{large(block) if routine.is_large else inline(block)} {returned} {block.name}_{routine.name}({arguments})"
     return [head]
 

@@ -17,9 +17,58 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
-from synth.emit.passes.grouping import in_groups
-from synth.emit.passes.outline import Assign, Branch, Let, Owners, Statement, Store, reads
 from synth.emit.program.lower import Node, Program
+
+
+@dataclass(frozen=True)
+class Let:
+    """Compute a node."""
+
+    node: int
+
+
+@dataclass(frozen=True)
+class Store:
+    """Store a node's value into a member of `state` or `out`."""
+
+    struct: str
+    name: str
+    node: int
+
+
+@dataclass(frozen=True)
+class Assign:
+    """Give a choice's variable the value of a node."""
+
+    choice: int
+    node: int
+
+
+@dataclass(frozen=True)
+class Branch:
+    """An `if` for choices on one condition; `choices` holds each choice and the node of its initial value, or None."""
+
+    condition: int
+    choices: tuple[tuple[int, int | None], ...]
+    then: tuple["Statement", ...]
+    other: tuple["Statement", ...]
+
+
+Statement = Let | Store | Assign | Branch
+
+
+def reads(p: Program, block: Sequence[Statement]) -> Iterator[int]:
+    """Yield the nodes that statements read."""
+    for s in block:
+        if isinstance(s, Let):
+            yield from p.nodes[s.node].args
+        elif isinstance(s, Assign | Store):
+            yield s.node
+        elif isinstance(s, Branch):
+            yield s.condition
+            yield from (start for _, start in s.choices if start is not None)
+            yield from reads(p, (*s.then, *s.other))
+
 
 _COMPOSED = frozenset(("add", "sub", "mul", "div", "sq", "inv", "lt", "le", "eq", "ne", "and", "or", "bit"))
 
@@ -228,16 +277,14 @@ def statements(p: Program) -> tuple[Statement, ...]:
     demands += [Demand(k, ("out", name)) for name, k in p.outputs.items()]
     demands += [Demand(k, ("word", "")) for k in dict.fromkeys(p.result_nodes())]
     whole = {k for k, node in enumerate(p.nodes) if node.op not in INLINE}
-    return tuple(_Level(p, p.users(), whole, demands, Owners(p)).statements())
+    return tuple(_Level(p, p.users(), whole, demands).statements())
 
 
 class _Level:
     """One level of statements: the nodes that belong to it and its demands."""
 
-    def __init__(
-        self, p: Program, users: list[list[int]], members: set[int], demands: Sequence[Demand], owners: Owners
-    ) -> None:
-        self.p, self.users, self.members, self.owners = p, users, members, owners
+    def __init__(self, p: Program, users: list[list[int]], members: set[int], demands: Sequence[Demand]) -> None:
+        self.p, self.users, self.members = p, users, members
         self.pending = dict.fromkeys(demands)
         self.loads = {p.nodes[k].name: k for k in members if p.nodes[k].op == "state"}
         self.regions = Regions(p, users, members, demands)
@@ -260,7 +307,7 @@ class _Level:
                 self._meet(d)
         for d in list(self.pending):
             self._meet(d)
-        return in_groups(self.p, self.out, self.owners) if self.p.titles else self.out
+        return self.out
 
     def _demands_by_last_signal(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
         """Group the demands by the last marked node, counted in order, for which each of them waits.
@@ -360,7 +407,7 @@ class _Level:
                     if not self.regions.is_load(arm, d.destination):
                         arm_demands.append(Demand(arm, d.destination))
         then, other = (
-            tuple(_Level(self.p, self.users, members, demands, self.owners).statements())
+            tuple(_Level(self.p, self.users, members, demands).statements())
             for members, demands in zip(region.sides, inner, strict=True)
         )
         branch = Branch(region.condition, tuple(declared), then, other)

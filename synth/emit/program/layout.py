@@ -1,11 +1,11 @@
 """Memory layout of the three structs: members sorted by size, no padding, the same on every target.
 
-With 8-byte scalars an explicit member `reserved` follows an odd number of 4-byte members.
+The states of each Block with functions are a struct of their own within that of the states. With 8-byte scalars an
+explicit member `reserved` follows an odd number of 4-byte members of a struct.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from types import MappingProxyType
 
 import numpy as np
@@ -71,12 +71,6 @@ class Layout:
         """Input, output and state."""
         return (self.input, self.output, self.state)
 
-    @property
-    def is_contiguous(self) -> bool:
-        """Whether the members of each Block's struct lie side by side."""
-        parts = [part for part, _ in groupby(f.part for f in self.state.fields) if part]
-        return len(parts) == len(set(parts))
-
 
 def layout(block: Block, scalar: type[np.floating], parts: Mapping[str, str] = MappingProxyType({})) -> Layout:
     """Return the layout of a Block's structs for a scalar type; `parts` gives by state the Block that has a struct.
@@ -116,13 +110,15 @@ def _struct(
 ) -> Struct:
     if not members:
         raise EmitError(f"block '{name}' has no {kind}, and C knows no empty struct: give it at least one")
-    ordered = sorted(members, key=lambda m: -_SIZE[m[1]])
-    widest = max(_SIZE[c] for _, c in ordered)
-    if sum(_SIZE[c] for _, c in ordered) % widest:
-        ordered.append((Signal("reserved", "1", 0, 1, "fills the struct up"), "uint32_t"))
+    widest = max(_SIZE[c] for _, c in members)
     fields, offset = [], 0
-    for s, c in ordered:
-        low, high = (_rounded_bound(end, s, scalar) for end in (s.low, s.high))
-        fields.append(Member(s.name, offset, c, s.unit, low, high, s.about, parts.get(s.name, "")))
-        offset += _SIZE[c]
+    for part in dict.fromkeys(sorted((parts.get(s.name, "") for s, _ in members), key=bool, reverse=True)):
+        ordered = sorted((m for m in members if parts.get(m[0].name, "") == part), key=lambda m: -_SIZE[m[1]])
+        if sum(_SIZE[c] for _, c in ordered) % widest:
+            filler = f"{part}_reserved" if part else "reserved"
+            ordered.append((Signal(filler, "1", 0, 1, "fills the struct up"), "uint32_t"))
+        for s, c in ordered:
+            low, high = (_rounded_bound(end, s, scalar) for end in (s.low, s.high))
+            fields.append(Member(s.name, offset, c, s.unit, low, high, s.about, part))
+            offset += _SIZE[c]
     return Struct(kind, f"{name}_{kind}_t", offset, tuple(fields))

@@ -31,6 +31,7 @@ from synth.emit.program import words
 from synth.emit.program.operations import BINARY, LOOKUP, UNARY
 from synth.errors import EmitError
 from synth.fault import Fault
+from synth.signals import Signal
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,8 @@ class Program:
     numbers. `products` maps the name of a constant that folding introduced to the two constants that it multiplies.
     `titles` maps each Block of the composition to its description and the number of its equation, `equations` to the
     lines of its equations, `notes` to sentences about it. `labels` are names of nodes from the variables of the laws,
-    for the locals of the C.
+    for the locals of the C. `recorded` and `limited` are the signals of which diagnostics have the value, or that they
+    are at a limit.
     """
 
     nodes: tuple[Node, ...]
@@ -81,6 +83,8 @@ class Program:
     by_value: bool = False
     labels: Mapping[int, str] = field(default_factory=dict)
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    recorded: tuple[Signal, ...] = ()
+    limited: tuple[Signal, ...] = ()
 
     def with_nodes(
         self, nodes: tuple[Node, ...], index: Sequence[int], further_labels: Mapping[int, str] | None = None

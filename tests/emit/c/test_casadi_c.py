@@ -103,7 +103,7 @@ def test_casadis_c_behind_the_header_repeats_the_test_vectors(name: str, scalar:
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("out->i1 = y[0]", "out->i1 = y[1]"), ("0x00000001u", "0x00000002u"), ("state->servo_z_q1 = next", "next")],
+    [("out->i1 = y[0]", "out->i1 = y[1]"), ("0x00000001u", "0x00000002u"), ("state->servo_z.q1 = next", "next")],
 )
 def test_a_defect_planted_in_it_is_seen(old: str, new: str) -> None:
     block, emitted, by_casadi = both("levitator_2dof", np.float64)

@@ -15,7 +15,7 @@ from synth.block import Block
 from synth.declare.stage import Stage
 from synth.emit import pipeline
 from synth.emit.c import equations
-from synth.emit.passes import outline
+from synth.emit.passes import parts
 from synth.emit.program import lower
 from synth.emit.program.lower import Program
 
@@ -44,7 +44,7 @@ class Stated(NamedTuple):
 
 def stated(p: Program, monkeypatch: pytest.MonkeyPatch) -> list[Stated]:
     """Return every equation that is made for the comments, in signals and in variables."""
-    owner, of_mark = outline.by_node(p), {k: named.block for named, k in p.marks}
+    owner, of_mark = parts.by_node(p), {k: named.block for named, k in p.marks}
     made, equation = list[Stated](), equations._Text.equation
 
     def recorded(self: Any, name: str, k: int) -> equations.Equation:

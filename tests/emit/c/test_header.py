@@ -155,7 +155,9 @@ def test_the_header_states_latency_and_what_init_assumes() -> None:
 def test_the_header_states_the_initial_value_of_each_input(name: str) -> None:
     """They are those of init, which a value that differs would contradict."""
     text, fields = text_of(name), json.loads((GENERATED / name / "manifest.json").read_text())["structs"]
-    initial = dict(re.findall(r"\.guard_last_(\w+) = ([-\d.e]+)f", committed(name)[f"{name}.c"]))
+    source = committed(name)[f"{name}.c"]
+    of_guard = re.search(r"\.guard = \{(.*?)\}", source, re.DOTALL)
+    initial = dict(re.findall(r"\.(?:guard_)?last_(\w+) = ([-\d.e]+)f", of_guard[1] if of_guard else source))
     safety = json.loads((GENERATED / name / "manifest.json").read_text()).get("safety") or {}
     replaced = safety.get("judgement", {}).get("measurements", ())  # by what the others or a prediction say
     kept = [f["name"].removeprefix("guard_last_") for f in fields["state"]["fields"] if "guard_last_" in f["name"]]

@@ -5,7 +5,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any
 
 import casadi as ca
@@ -129,14 +129,15 @@ def body(lines: list[str], name: str) -> range:
 
 
 def trace_defects(lines: list[str], trace: Mapping[str, list[list[int]]], name: str) -> list[str]:
-    """Return the defects of a trace: lines outside the step, runs out of order or shared, missing lines."""
+    """Return the defects of a trace: lines outside the functions, runs out of order or shared, missing lines."""
     inside, defects, covered = body(lines, name), [], list[int]()
+    depths = [*accumulate(line.count("{") - line.count("}") for line in lines)]
     for tag, runs in trace.items():
         if not all(first <= last for first, last in runs) or not all(a[1] < b[0] for a, b in pairwise(runs)):
             defects.append(f"{tag}: out of order")
         covered += [line for first, last in runs for line in range(first, last + 1)]
     defects += [f"{line} twice" for line in set(covered) if covered.count(line) > 1]
-    defects += [f"{line} outside" for line in covered if line not in inside]
+    defects += [f"{line} outside" for line in covered if line > len(lines) or depths[line - 1] < 1]
     left = [line for line in inside if line not in covered and not IDLE.fullmatch(lines[line - 1])]
     return defects + [f"{line} left out" for line in left]
 
@@ -152,8 +153,8 @@ def test_a_trace_that_is_wrong_is_found() -> None:
     made = emit(stage(), np.float32, error=1e-5)
     lines, trace = made.files["stage.c"].splitlines(), made.manifest["trace"]
     (tag, runs), other = next(iter(trace.items())), next(tag for tag in trace if tag.startswith("law"))
-    first, last = runs[0]
-    for wrong in ([], [[first, last - 1], *runs[1:]], [[last, first], *runs[1:]], [[first, len(lines) + 1]]):
+    (first, last), of_step = runs[0], runs[1:]
+    for wrong in ([], [runs[0]], [[last, first], *of_step], [*of_step, runs[0]], [*runs, [first, len(lines) + 1]]):
         assert trace_defects(lines, trace | {tag: wrong}, "stage")
     assert trace_defects(lines, trace | {other: [*trace[other], [first, first]]}, "stage")
     assert trace_defects(lines, trace | {tag: [*runs[::-1], [1, 1]]}, "stage")
@@ -170,11 +171,11 @@ def test_lines_belong_to_the_block_that_computes_them() -> None:
     assert sorted(trace) == titles
 
     def of(text: str) -> list[str]:
-        numbers = [i for i, line in enumerate(lines, 1) if text in line and i in body(lines, "stage")]
+        numbers = [i for i, line in enumerate(lines, 1) if text in line]
         return [tag for i in numbers for tag, runs in trace.items() if any(a <= i <= b for a, b in runs)]
 
     assert of("gain_polynomial(") == ["law: F(3), F(4)"]
-    assert set(of("state->guard_")) == {titles[0]}
+    assert set(of("state->guard.")) == {titles[0]}
     assert of("stage_slew(") == [titles[2]]
 
 
@@ -196,7 +197,8 @@ SCHEMA: dict[str, Any] = {
     "period_s": float,
     "scalar": str,
     "functions": {"init": str, "step": str},
-    "structs": {role: {"type": str, "size": int, "fields": [FIELD]} for role in ("input", "output", "state")},
+    "structs": {role: {"type": str, "size": int, "fields": [FIELD]} for role in ("input", "output")}
+    | {"state": {"type": str, "size": int, "fields": [dict]}},
     "faults": [dict],
     "safety": {"bad_samples": int, "safe_output": dict, "slew_per_s": dict, "safe_output_effect": str},
     "numbers": dict,

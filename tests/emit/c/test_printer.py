@@ -198,7 +198,8 @@ def test_bits_of_the_word_are_set_one_by_one() -> None:
 
 
 def test_a_title_is_printed_where_the_block_changes() -> None:
-    assert re.findall(r"/\* (\w+)(?: \*/)?\n", text(hazards.stored_by_an_earlier_block())) == ["hold", "use"]
+    titles = re.findall(r"/\* (\w+)(?: \*/)?\n", text(hazards.stored_by_an_earlier_block()))
+    assert titles == ["hold"]  # the other one has a function
 
 
 def test_lines_after_a_branch_belong_to_the_block_before_it() -> None:

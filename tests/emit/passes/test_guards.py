@@ -44,9 +44,9 @@ def stage(low: float = -1, held: bool = True, second: bool = True) -> Block:
 
 def test_each_input_is_one_call() -> None:
     text = emit(stage(), F32).files["stage.c"]
-    assert "a_held = stage_hold_within(in->a, 1.0f, &state->guard_last_a, 0x00000001u, &faults);" in text
-    assert "b_held = stage_hold(in->b, 0.25f, 2.0f, &state->guard_last_b, 0x00000002u, &faults);" in text
-    assert "wish_held = stage_hold_within(in->wish, 0.5f, &state->guard_last_wish, 0x00000004u, &faults);" in text
+    assert "accepted.a = stage_hold_within(in->a, 1.0f, &state->guard.last_a, 0x00000001u, faults);" in text
+    assert "accepted.b = stage_hold(in->b, 0.25f, 2.0f, &state->guard.last_b, 0x00000002u, faults);" in text
+    assert "accepted.wish = stage_hold_within(in->wish, 0.5f, &state->guard.last_wish, 0x00000004u, faults);" in text
     assert "(faults & 0x00000003u) == 0u" in text  # the measurements alone
 
 
@@ -69,9 +69,9 @@ def test_a_guard_alone_includes_what_it_calls(held: bool) -> None:
 
 def test_an_input_that_is_not_held_needs_no_state() -> None:
     text = emit(stage(held=False), F32).files["stage.c"]
-    assert "stage_replace_within(in->a, 1.0f, guard_refused_a, 0x00000001u, &faults);" in text
-    assert "stage_replace(in->b, 0.25f, 2.0f, guard_refused_b, 0x00000002u, &faults);" in text
-    assert "stage_hold" not in text
+    assert "stage_replace_within(in->a, 1.0f, guard_refused_a, 0x00000001u, faults);" in text
+    assert "stage_replace(in->b, 0.25f, 2.0f, guard_refused_b, 0x00000002u, faults);" in text
+    assert "stage_hold" not in text and "stage_guard_inputs(in, &faults)" in text
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])

@@ -14,17 +14,15 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.block import Block, State, Step, build
-from synth.composition import compose
+from synth.block import Block, State, Step
 from synth.emit import pipeline
 from synth.emit.passes import fold, schedule
-from synth.emit.passes.outline import Assign, Branch, Let, Owners, Statement, Store
-from synth.emit.passes.schedule import Regions
+from synth.emit.passes.schedule import Assign, Branch, Let, Regions, Statement, Store
 from synth.emit.pipeline import Reduced
 from synth.emit.program import lower
 from synth.emit.program.lower import Program
 from tests.emit import dyadic, hazards
-from tests.emit.dyadic import TIME, signal
+from tests.emit.dyadic import signal
 from tests.emit.semantics import interpret, value
 
 SEEDS = range(80)
@@ -310,16 +308,3 @@ def test_choices_inside_a_side_become_ifs_there() -> None:
         return Step({"y": y})
 
     assert depth(schedule.statements(one(law))) == 6
-
-
-def test_a_block_stores_its_states_before_the_next_one_begins() -> None:
-    def law(u: Any, x: Any, k: Any) -> Step:
-        return Step({"y": u["a"] + x["x"]}, {"x": u["a"] * 2})
-
-    first = build("p", TIME, law, inputs=[signal("a")], outputs=[signal("y")], states=[State(signal("x"), 0)])
-    second = build("q", TIME, lambda u, x, k: Step({"z": ca.sin(u["y"])}), inputs=[signal("y")], outputs=[signal("z")])
-    program = lower_block(compose("both", [second, first], inputs=["a"], outputs=["z"]))
-    statements = schedule.statements(program)
-    of = Owners(program).of
-    begins = next(i for i, s in enumerate(statements) if of(s, "p") == "q")
-    assert stores(statements[:begins]) == ["p_x"]
