@@ -21,16 +21,17 @@
  * finite or outside    |                                   |                    |
  * its range            |                                   |                    |
  *
- * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
- * until the first valid sample. A lost track needs init, and so does a body that has left 8 pitches to either side of
- * the origin along X or Y. Protection levels hold for a fault of one sensor, and for voltages within 55 mV rms of the
- * model.
+ * At init the body is within half a pitch of the counted origin along X and Y, and within 9 degrees of yaw 0. It rests
+ * until the first valid sample: at least 99 % of such starts are valid within 0.15 s. A lost track needs init, and so
+ * does a body that has left 8 pitches to either side of the origin along X or Y. After a fault of one sensor, a gain,
+ * an offset, a drift, a stuck, lost or noisy voltage, at most 0.1 % of the valid samples have an error above a
+ * protection level, for voltages within 55 mV rms of the model.
  *
  * The gains and numbers in hall_position_four.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json says where each gain comes from.
  *
  * With HALL_POSITION_FOUR_DIAGNOSTICS defined, for the .c as well, hall_position_four_step_diagnosed also says which
- * signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
+ * signals it computed and why it latched. Without the macro the diagnostics cost nothing.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error. The source
@@ -63,7 +64,15 @@ typedef struct {
     float motion_phase_y;               /* rad, -0.5 .. 0.5: predicted change of phase_y a sample */
     float motion_yaw;                   /* rad, -0.1 .. 0.1: predicted change of yaw a sample */
     uint32_t excluded;                  /* 1, 0 .. 4: number of the group of channels excluded as faulty, 0 for none */
-    uint32_t doubted;                   /* 1, 0 .. 1: another group than the excluded one may be at fault */
+    /* 1, 0 .. 1: hypothesis 1 has passed since a group is excluded, and its own solution has not failed */
+    uint32_t plausible_1;
+    /* 1, 0 .. 1: hypothesis 2 has passed since a group is excluded, and its own solution has not failed */
+    uint32_t plausible_2;
+    /* 1, 0 .. 1: hypothesis 3 has passed since a group is excluded, and its own solution has not failed */
+    uint32_t plausible_3;
+    /* 1, 0 .. 1: hypothesis 4 has passed since a group is excluded, and its own solution has not failed */
+    uint32_t plausible_4;
+    uint32_t competing;                 /* 1, 0 .. 4: number of the group whose hypothesis is tested next, 0 for none */
     uint32_t start_number;              /* 1, 0 .. 24: starts of this sweep so far, all of them while tracking */
     uint32_t candidates;                /* 1, 0 .. 2: solutions in this sweep so far, 2 for more than one */
     uint32_t missed;                    /* 1, 0 .. 8: samples in a row without an accepted solution; the last: lost */
@@ -163,11 +172,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(hall_position_four_input_t) == 32u, "size of hall_position_four_input_t");
 _Static_assert(sizeof(hall_position_four_output_t) == 76u, "size of hall_position_four_output_t");
-_Static_assert(sizeof(hall_position_four_state_t) == 192u, "size of hall_position_four_state_t");
+_Static_assert(sizeof(hall_position_four_state_t) == 208u, "size of hall_position_four_state_t");
 #else
 extern char hall_position_four_input_size_is_32[(sizeof(hall_position_four_input_t) == 32u) ? 1 : -1];
 extern char hall_position_four_output_size_is_76[(sizeof(hall_position_four_output_t) == 76u) ? 1 : -1];
-extern char hall_position_four_state_size_is_192[(sizeof(hall_position_four_state_t) == 192u) ? 1 : -1];
+extern char hall_position_four_state_size_is_208[(sizeof(hall_position_four_state_t) == 208u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -189,7 +198,7 @@ uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_p
     hall_position_four_output_t *out);
 
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
- * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phase_x, 1 phase_y, 2 yaw. */
+ * some. Set the struct to zero when you call init. */
 typedef struct {
     float rejected;                     /* 1: number of the group of channels that is refused or frozen */
     float screened;                     /* 1: no group of channels is faulty, or a single one, which is rejected */
@@ -208,7 +217,6 @@ typedef struct {
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */
     uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
-    uint32_t saturated;                 /* signals at their limits in the last step */
 } hall_position_four_diagnostics_t;
 
 #if defined(HALL_POSITION_FOUR_DIAGNOSTICS)

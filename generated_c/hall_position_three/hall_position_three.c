@@ -260,10 +260,10 @@ typedef struct {
     float protection_yaw;
     bool converged;
     bool weak;
-    bool doubted;
     bool tracking;
     bool lost;
     bool phases_valid;
+    bool doubted;
 } hall_position_three_estimator_t;
 
 /* estimator: weighted least squares
@@ -282,17 +282,21 @@ typedef struct {
  *     cx_part_full = limit(cx_part_doubled * (1 - 0.125 * cx_part_sine^2), 1.001); likewise cy_part_full
  *     weak = not factors_2 or weak_from <= variances_1 or weak_from <= variances_2 or weak_from_yaw <=
  *         variances_3 or weak_from <= variances_4
+ *     plausible_1_next = keeps and (plausible_1 and not (refuted and x_excluded == 1) if x_trial, else
+ *         passing_1 or plausible_1) if tracking, else 0
+ *     plausible_2_next = keeps and (plausible_2 and not (refuted and x_excluded == 2) if x_trial, else
+ *         passing_2 or plausible_2) if tracking, else 0
+ *     plausible_3_next = keeps and (plausible_3 and not (refuted and x_excluded == 3) if x_trial, else
+ *         now) if tracking, else 0
  *     start_number_next = starts if tracking, else (starts if unique, else (0 if last, else (last_start if
  *         last_start <= start_number, else start_number + ends)))
- *     missed_next = (0 if screened and not weak and passes and not lost, else (missed if lost, else missed
- *         + 1)) if tracking, else 0
  *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
  *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
  *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
  *         else begin_yaw) */
 HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
-    hall_position_three_estimator(hall_position_three_estimator_state_t *state, float V_ax_held, float V_ay_held,
-    float V_bx_held, float V_by_held, float V_cx_held, float V_cy_held, float rejected, bool screened,
+    hall_position_three_estimator(hall_position_three_estimator_state_t *state, float rejected, float V_ax_held,
+    float V_ay_held, float V_bx_held, float V_by_held, float V_cx_held, float V_cy_held, bool screened,
     hall_position_three_diagnostics_t *diagnostics)
 {
     static const float pi = 3.1415927f;                         /* 1; pi */
@@ -349,23 +353,24 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     /* V; channel_sigma times the root of the noncentrality: a fault that passes the test with risk 0.001 */
     static const float undetected = 0.03536334f;
     static const float level_sigmas = 3.4807565f; /* 1; sigmas of a protection level, half of risk 0.001 */
+    static const float overbound = 1.25f; /* 1; factor on the protection levels while a group is excluded */
     static const float hypothesis_cost = 0.0003150073f;         /* V^2; hypothesis_threshold times channel_variance */
     static const float cancellation = 1e-05f;                   /* 1; relative error of a cost by rounding */
     static const float level_noise = 0.017748445f;              /* V; level_sigmas times channel_sigma */
     /* rad; 100 times the limit: level that is reported at most; of x, y */
     static const float largest_level_phase = 18.552713f;
     static const float largest_level_yaw = 6.6f; /* rad; 100 times the limit: level that is reported at most */
-    static const float limit_phase = 0.18552713f;               /* rad; of a valid protection level; of x, y */
-    /* rad; 0.05 times the limit, while a group is excluded; of x, y */
-    static const float excluded_limit_phase = 0.009276357f;
-    static const float limit_yaw = 0.066f;                      /* rad; of a valid protection level */
-    static const float excluded_limit_yaw = 0.0033f; /* rad; 0.05 times the limit, while a group is excluded */
     static const uint32_t starts = 24u;                         /* 1; of a sweep */
     static const uint32_t track_patience = 8u;                  /* 1; samples without a solution: lost */
     static const float channel_variance = 2.6e-05f;             /* V^2; variance of a channel, from R */
     static const float test_threshold = 16.266235f; /* 1; chi-square of 3 degrees of freedom, false alarm 0.001 */
     /* 1; chi-square of 1 degrees of freedom, half of risk 0.001: without the excluded group */
     static const float hypothesis_threshold = 12.115665f;
+    static const float limit_phase = 0.18552713f;               /* rad; of a valid protection level; of x, y */
+    /* rad; 0.01 times the limit, while a group is excluded; of x, y */
+    static const float excluded_limit_phase = 0.0018552713f;
+    static const float limit_yaw = 0.066f;                      /* rad; of a valid protection level */
+    static const float excluded_limit_yaw = 0.00066f; /* rad; 0.01 times the limit, while a group is excluded */
     static const uint32_t last_age = 3u;                        /* 1; samples since a start at which it ends */
     static const uint32_t last_start = 23u;                     /* 1; number of the last start of a sweep */
     static const float agreement_phase = 0.15f; /* rad; solutions closer than this count as one; of x, y */
@@ -377,6 +382,8 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     static const float largest_motion_phase = 0.5f;             /* rad; predicted change a sample at most; of x, y */
     static const float largest_motion_yaw = 0.1f;               /* rad; predicted change a sample at most */
     static const float test_cost = 0.00042292214f;              /* V^2; test_threshold times channel_variance */
+    /* V^2; 2 times hypothesis_cost: of a competing hypothesis that is refuted */
+    static const float refuted_cost = 0.0006300146f;
 
     const float motion_yaw = state->motion_yaw;
     const float starts_3 = hall_position_three_limit(state->yaw + motion_yaw, highest_yaw);
@@ -563,124 +570,157 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         (lower_4_2 * left_4_2) - (lower_4_3 * left_4_3_phase_x), least_pivot);
     const float diagonal_1 = inverse_1 + (lower_3_1 * lower_3_1 * inverse_3) +
         (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
+    const uint32_t competing = state->competing;
     const bool x_certain = 0.0f < rejected;
+    const bool x_trial = (competing != 0u) && !x_certain;
     const uint32_t excluded_2 = state->excluded;
     const float excluded = hall_position_three_max((x_certain) ? rejected : (float)excluded_2, 0.0f);
-    const bool none_phase_x = excluded < 1.0f;
-    const float rows_1_1_times_inverse_1 = rows_1_1 * inverse_1;
-    const float b_3_phase_x = rows_1_3 - (lower_3_1 * rows_1_1);
-    const float b_3_phase_x_times_inverse_3 = b_3_phase_x * inverse_3;
-    const float b_4_phase_x = rows_1_4 - (lower_4_1 * rows_1_1) - (lower_4_3 * b_3_phase_x);
-    const float moves_1_4_phase_x = b_4_phase_x * diagonal_4;
-    const float moves_1_3_phase_x = b_3_phase_x_times_inverse_3 - (lower_4_3 * moves_1_4_phase_x);
-    const float moves_1_1_phase_x = rows_1_1_times_inverse_1 - (lower_3_1 * moves_1_3_phase_x) -
-        (lower_4_1 * moves_1_4_phase_x);
-    const float gains_1_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_1_1 * rows_1_1_times_inverse_1) +
-        (b_3_phase_x * b_3_phase_x_times_inverse_3) + (b_4_phase_x * moves_1_4_phase_x)), least_separability);
     const float residuals_1_phase_x = phase_x_sum_2 - (amplitude_2 * rows_1_4);
+    const float residuals_2_phase_x = phase_x_sum - (amplitude_2 * rows_2_4);
     const float residuals_3_phase_x = phase_x_sum_4 - (amplitude_2 * rows_3_4);
+    const float residuals_4_phase_x = phase_x_sum_3 - (amplitude_2 * rows_4_4);
     const float residuals_5_phase_x = phase_x_sum_6 - (amplitude_2 * rows_5_4);
+    const float residuals_6_phase_x = phase_x_sum_5 - (amplitude_2 * rows_6_4);
+    const float offsets_4_phase_x = amplitude_2 - 1.0f;
     const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
         (rows_5_1 * residuals_5_phase_x);
     const float phase_x_product_2 = gradient_1_phase_x * inverse_1;
-    const float residuals_2_phase_x = phase_x_sum - (amplitude_2 * rows_2_4);
-    const float residuals_4_phase_x = phase_x_sum_3 - (amplitude_2 * rows_4_4);
-    const float residuals_6_phase_x = phase_x_sum_5 - (amplitude_2 * rows_6_4);
     const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
         (rows_6_2 * residuals_6_phase_x);
+    const float phase_x_product_3 = gradient_2_phase_x * inverse_2;
     const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (minus_rows_2_3 * residuals_2_phase_x) +
         (rows_3_3 * residuals_3_phase_x) - (minus_rows_4_3 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
         (minus_rows_6_3 * residuals_6_phase_x) - (lower_3_1 * gradient_1_phase_x) - (lower_3_2 * gradient_2_phase_x);
-    const float phase_x_product_3 = forward_3_phase_x * inverse_3;
-    const float offsets_4_phase_x = amplitude_2 - 1.0f;
+    const float phase_x_product_4 = forward_3_phase_x * inverse_3;
     const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
         (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
         (rows_6_4 * residuals_6_phase_x) - (prior_weight_amplitude * offsets_4_phase_x) -
         (lower_4_1 * gradient_1_phase_x) - (lower_4_2 * gradient_2_phase_x) - (lower_4_3 * forward_3_phase_x);
     const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
-    const float steps_3_phase_x = phase_x_product_3 - (lower_4_3 * steps_4_phase_x);
+    const float protection_phase_x_sum = (residuals_1_phase_x * residuals_1_phase_x) +
+        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
+        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
+        (residuals_6_phase_x * residuals_6_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
+        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_2) + (gradient_2_phase_x * phase_x_product_3) +
+        (forward_3_phase_x * phase_x_product_4) + (forward_4_phase_x * steps_4_phase_x));
+    const float full_cost = hall_position_three_max(protection_phase_x_sum, 0.0f);
+    const float steps_3_phase_x = phase_x_product_4 - (lower_4_3 * steps_4_phase_x);
     const float steps_1_phase_x = phase_x_product_2 - (lower_3_1 * steps_3_phase_x) - (lower_4_1 * steps_4_phase_x);
-    const float scores_1_phase_x = residuals_1_phase_x -
-        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
-    const float minus_forward_3_phase_x = minus_rows_2_3 + (lower_3_2 * rows_2_2);
-    const float minus_weighted_3_phase_x = minus_forward_3_phase_x * inverse_3;
-    const float forward_4_phase_x_2 = rows_2_4 - (lower_4_2 * rows_2_2) + (lower_4_3 * minus_forward_3_phase_x);
-    const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
-    const float minus_move_3_phase_x = minus_weighted_3_phase_x + (lower_4_3 * weighted_4_phase_x);
-    const float minus_S_2_1_phase_x = (weighted_4_phase_x * b_4_phase_x) - (minus_weighted_3_phase_x * b_3_phase_x);
-    const float lower_2_1_phase_x = hall_position_three_limit(-(minus_S_2_1_phase_x * gains_1_phase_x), largest_mixing);
-    const float moves_2_1_phase_x = (lower_3_1 * minus_move_3_phase_x) - (lower_4_1 * weighted_4_phase_x) -
-        (lower_2_1_phase_x * moves_1_1_phase_x);
-    const float weighted_2_phase_x = rows_2_2 * inverse_2;
-    const float gains_2_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_phase_x) +
-        (minus_forward_3_phase_x * minus_weighted_3_phase_x) + (forward_4_phase_x_2 * weighted_4_phase_x)) +
-        (lower_2_1_phase_x * minus_S_2_1_phase_x), least_separability);
-    const float phase_x_product_4 = gradient_2_phase_x * inverse_2;
-    const float steps_2_phase_x = phase_x_product_4 - (lower_3_2 * steps_3_phase_x) - (lower_4_2 * steps_4_phase_x);
-    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
-        (minus_rows_2_3 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_1_phase_x);
-    const float minus_moves_1_2 = (lower_3_2 * moves_1_3_phase_x) + (lower_4_2 * moves_1_4_phase_x);
-    const float moves_2_2_phase_x = weighted_2_phase_x + (lower_3_2 * minus_move_3_phase_x) -
-        (lower_4_2 * weighted_4_phase_x) + (lower_2_1_phase_x * minus_moves_1_2);
-    const float minus_moves_2_3 = minus_move_3_phase_x + (lower_2_1_phase_x * moves_1_3_phase_x);
-    const float rows_3_1_times_inverse_1 = rows_3_1 * inverse_1;
-    const float b_3_phase_x_2 = rows_3_3 - (lower_3_1 * rows_3_1);
-    const float phase_x_product_5 = b_3_phase_x_2 * inverse_3;
-    const float b_4_phase_x_2 = rows_3_4 - (lower_4_1 * rows_3_1) - (lower_4_3 * b_3_phase_x_2);
-    const float moves_3_4 = b_4_phase_x_2 * diagonal_4;
-    const float moves_3_3 = phase_x_product_5 - (lower_4_3 * moves_3_4);
-    const float moves_3_1 = rows_3_1_times_inverse_1 - (lower_3_1 * moves_3_3) - (lower_4_1 * moves_3_4);
-    const float gains_3 = 1.0f / hall_position_three_max(1.0f - ((rows_3_1 * rows_3_1_times_inverse_1) +
-        (b_3_phase_x_2 * phase_x_product_5) + (b_4_phase_x_2 * moves_3_4)), least_separability);
     const float scores_3 = residuals_3_phase_x -
         ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
-    const float minus_forward_3_phase_x_2 = minus_rows_4_3 + (lower_3_2 * rows_4_2);
-    const float minus_weighted_3_phase_x_2 = minus_forward_3_phase_x_2 * inverse_3;
-    const float forward_4_phase_x_3 = rows_4_4 - (lower_4_2 * rows_4_2) + (lower_4_3 * minus_forward_3_phase_x_2);
+    const float rows_3_1_times_inverse_1 = rows_3_1 * inverse_1;
+    const float b_3_phase_x = rows_3_3 - (lower_3_1 * rows_3_1);
+    const float b_3_phase_x_times_inverse_3 = b_3_phase_x * inverse_3;
+    const float b_4_phase_x = rows_3_4 - (lower_4_1 * rows_3_1) - (lower_4_3 * b_3_phase_x);
+    const float moves_3_4 = b_4_phase_x * diagonal_4;
+    const float gains_3 = 1.0f / hall_position_three_max(1.0f - ((rows_3_1 * rows_3_1_times_inverse_1) +
+        (b_3_phase_x * b_3_phase_x_times_inverse_3) + (b_4_phase_x * moves_3_4)), least_separability);
+    const float scores_3_times_gains_3 = scores_3 * gains_3;
+    const float steps_2_phase_x = phase_x_product_3 - (lower_3_2 * steps_3_phase_x) - (lower_4_2 * steps_4_phase_x);
+    const float minus_forward_3_phase_x = minus_rows_4_3 + (lower_3_2 * rows_4_2);
+    const float forward_4_phase_x_2 = rows_4_4 - (lower_4_2 * rows_4_2) + (lower_4_3 * minus_forward_3_phase_x);
+    const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
+    const float minus_weighted_3_phase_x = minus_forward_3_phase_x * inverse_3;
+    const float minus_S_2_1_phase_x = (weighted_4_phase_x * b_4_phase_x) - (minus_weighted_3_phase_x * b_3_phase_x);
+    const float lower_2_1_phase_x = hall_position_three_limit(-(minus_S_2_1_phase_x * gains_3), largest_mixing);
+    const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
+        (minus_rows_4_3 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_3);
+    const float weighted_2_phase_x = rows_4_2 * inverse_2;
+    const float gains_4 = 1.0f / hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x) +
+        (minus_forward_3_phase_x * minus_weighted_3_phase_x) + (forward_4_phase_x_2 * weighted_4_phase_x)) +
+        (lower_2_1_phase_x * minus_S_2_1_phase_x), least_separability);
+    const float protection_phase_x_product = scores_4_phase_x * gains_4;
+    const float costs_2 = full_cost -
+        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product));
+    const float scores_1_phase_x = residuals_1_phase_x -
+        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
+    const float rows_1_1_times_inverse_1 = rows_1_1 * inverse_1;
+    const float b_3_phase_x_2 = rows_1_3 - (lower_3_1 * rows_1_1);
+    const float phase_x_product_5 = b_3_phase_x_2 * inverse_3;
+    const float b_4_phase_x_2 = rows_1_4 - (lower_4_1 * rows_1_1) - (lower_4_3 * b_3_phase_x_2);
+    const float moves_1_4_phase_x = b_4_phase_x_2 * diagonal_4;
+    const float gains_1_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_1_1 * rows_1_1_times_inverse_1) +
+        (b_3_phase_x_2 * phase_x_product_5) + (b_4_phase_x_2 * moves_1_4_phase_x)), least_separability);
+    const float protection_phase_x_product_2 = scores_1_phase_x * gains_1_phase_x;
+    const float minus_forward_3_phase_x_2 = minus_rows_2_3 + (lower_3_2 * rows_2_2);
+    const float forward_4_phase_x_3 = rows_2_4 - (lower_4_2 * rows_2_2) + (lower_4_3 * minus_forward_3_phase_x_2);
     const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
-    const float minus_move_3_phase_x_2 = minus_weighted_3_phase_x_2 + (lower_4_3 * weighted_4_phase_x_2);
+    const float minus_weighted_3_phase_x_2 = minus_forward_3_phase_x_2 * inverse_3;
     const float minus_S_2_1_phase_x_2 = (weighted_4_phase_x_2 * b_4_phase_x_2) -
         (minus_weighted_3_phase_x_2 * b_3_phase_x_2);
-    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(minus_S_2_1_phase_x_2 * gains_3), largest_mixing);
-    const float moves_4_1 = (lower_3_1 * minus_move_3_phase_x_2) - (lower_4_1 * weighted_4_phase_x_2) -
-        (lower_2_1_phase_x_2 * moves_3_1);
-    const float weighted_2_phase_x_2 = rows_4_2 * inverse_2;
-    const float gains_4 = 1.0f / hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x_2) +
+    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(minus_S_2_1_phase_x_2 * gains_1_phase_x),
+        largest_mixing);
+    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
+        (minus_rows_2_3 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_1_phase_x);
+    const float weighted_2_phase_x_2 = rows_2_2 * inverse_2;
+    const float gains_2_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_phase_x_2) +
         (minus_forward_3_phase_x_2 * minus_weighted_3_phase_x_2) + (forward_4_phase_x_3 * weighted_4_phase_x_2)) +
         (lower_2_1_phase_x_2 * minus_S_2_1_phase_x_2), least_separability);
-    const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
-        (minus_rows_4_3 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_3);
-    const float minus_moves_4_3 = minus_move_3_phase_x_2 + (lower_2_1_phase_x_2 * moves_3_3);
-    const float minus_moves_3_2 = (lower_3_2 * moves_3_3) + (lower_4_2 * moves_3_4);
-    const float moves_4_2 = weighted_2_phase_x_2 + (lower_3_2 * minus_move_3_phase_x_2) -
-        (lower_4_2 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * minus_moves_3_2);
+    const float protection_phase_x_product_3 = scores_2_phase_x * gains_2_phase_x;
+    const float costs_1 = full_cost -
+        ((scores_1_phase_x * protection_phase_x_product_2) + (scores_2_phase_x * protection_phase_x_product_3));
+    const float scores_5 = residuals_5_phase_x -
+        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
     const float rows_5_1_times_inverse_1 = rows_5_1 * inverse_1;
     const float b_3_phase_x_3 = rows_5_3 - (lower_3_1 * rows_5_1);
     const float phase_x_product_6 = b_3_phase_x_3 * inverse_3;
     const float b_4_phase_x_3 = rows_5_4 - (lower_4_1 * rows_5_1) - (lower_4_3 * b_3_phase_x_3);
     const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
-    const float moves_5_3 = phase_x_product_6 - (lower_4_3 * moves_5_4);
-    const float moves_5_1 = rows_5_1_times_inverse_1 - (lower_3_1 * moves_5_3) - (lower_4_1 * moves_5_4);
     const float gains_5 = 1.0f / hall_position_three_max(1.0f - ((rows_5_1 * rows_5_1_times_inverse_1) +
         (b_3_phase_x_3 * phase_x_product_6) + (b_4_phase_x_3 * moves_5_4)), least_separability);
-    const float scores_5 = residuals_5_phase_x -
-        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
+    const float scores_5_times_gains_5 = scores_5 * gains_5;
     const float minus_forward_3_phase_x_3 = minus_rows_6_3 + (lower_3_2 * rows_6_2);
-    const float minus_weighted_3_phase_x_3 = minus_forward_3_phase_x_3 * inverse_3;
     const float forward_4_phase_x_4 = rows_6_4 - (lower_4_2 * rows_6_2) + (lower_4_3 * minus_forward_3_phase_x_3);
     const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
-    const float minus_move_3_phase_x_3 = minus_weighted_3_phase_x_3 + (lower_4_3 * weighted_4_phase_x_3);
+    const float minus_weighted_3_phase_x_3 = minus_forward_3_phase_x_3 * inverse_3;
     const float minus_S_2_1_phase_x_3 = (weighted_4_phase_x_3 * b_4_phase_x_3) -
         (minus_weighted_3_phase_x_3 * b_3_phase_x_3);
     const float lower_2_1_phase_x_3 = hall_position_three_limit(-(minus_S_2_1_phase_x_3 * gains_5), largest_mixing);
-    const float moves_6_1 = (lower_3_1 * minus_move_3_phase_x_3) - (lower_4_1 * weighted_4_phase_x_3) -
-        (lower_2_1_phase_x_3 * moves_5_1);
+    const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
+        (minus_rows_6_3 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
     const float weighted_2_phase_x_3 = rows_6_2 * inverse_2;
     const float gain = 1.0f / hall_position_three_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) +
         (minus_forward_3_phase_x_3 * minus_weighted_3_phase_x_3) + (forward_4_phase_x_4 * weighted_4_phase_x_3)) +
         (lower_2_1_phase_x_3 * minus_S_2_1_phase_x_3), least_separability);
-    const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
-        (minus_rows_6_3 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
+    const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
+    const float costs_3 = full_cost -
+        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
+    float x_excluded = (float)competing;
+    float excluded_choice = excluded;
+    if (!x_trial) {
+        x_excluded = excluded;
+        if (full_cost <= test_cost) {
+            excluded_choice = 0.0f;
+        } else {
+            excluded_choice = (costs_3 < hall_position_three_min(costs_2, costs_1)) ? 3.0f :
+                ((costs_2 < costs_1) ? 2.0f : 1.0f);
+        }
+    }
+    const bool none_phase_x = x_excluded < 1.0f;
+    const float moves_1_3_phase_x = phase_x_product_5 - (lower_4_3 * moves_1_4_phase_x);
+    const float moves_1_1_phase_x = rows_1_1_times_inverse_1 - (lower_3_1 * moves_1_3_phase_x) -
+        (lower_4_1 * moves_1_4_phase_x);
+    const float minus_move_3_phase_x = minus_weighted_3_phase_x_2 + (lower_4_3 * weighted_4_phase_x_2);
+    const float moves_2_1_phase_x = (lower_3_1 * minus_move_3_phase_x) - (lower_4_1 * weighted_4_phase_x_2) -
+        (lower_2_1_phase_x_2 * moves_1_1_phase_x);
+    const float minus_moves_1_2 = (lower_3_2 * moves_1_3_phase_x) + (lower_4_2 * moves_1_4_phase_x);
+    const float moves_2_2_phase_x = weighted_2_phase_x_2 + (lower_3_2 * minus_move_3_phase_x) -
+        (lower_4_2 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * minus_moves_1_2);
+    const float minus_moves_2_3 = minus_move_3_phase_x + (lower_2_1_phase_x_2 * moves_1_3_phase_x);
+    const float moves_3_3 = b_3_phase_x_times_inverse_3 - (lower_4_3 * moves_3_4);
+    const float moves_3_1 = rows_3_1_times_inverse_1 - (lower_3_1 * moves_3_3) - (lower_4_1 * moves_3_4);
+    const float minus_move_3_phase_x_2 = minus_weighted_3_phase_x + (lower_4_3 * weighted_4_phase_x);
+    const float moves_4_1 = (lower_3_1 * minus_move_3_phase_x_2) - (lower_4_1 * weighted_4_phase_x) -
+        (lower_2_1_phase_x * moves_3_1);
+    const float minus_moves_4_3 = minus_move_3_phase_x_2 + (lower_2_1_phase_x * moves_3_3);
+    const float minus_moves_3_2 = (lower_3_2 * moves_3_3) + (lower_4_2 * moves_3_4);
+    const float moves_4_2 = weighted_2_phase_x + (lower_3_2 * minus_move_3_phase_x_2) -
+        (lower_4_2 * weighted_4_phase_x) + (lower_2_1_phase_x * minus_moves_3_2);
+    const float moves_5_3 = phase_x_product_6 - (lower_4_3 * moves_5_4);
+    const float moves_5_1 = rows_5_1_times_inverse_1 - (lower_3_1 * moves_5_3) - (lower_4_1 * moves_5_4);
+    const float minus_move_3_phase_x_3 = minus_weighted_3_phase_x_3 + (lower_4_3 * weighted_4_phase_x_3);
+    const float moves_6_1 = (lower_3_1 * minus_move_3_phase_x_3) - (lower_4_1 * weighted_4_phase_x_3) -
+        (lower_2_1_phase_x_3 * moves_5_1);
     const float minus_moves_6_3 = minus_move_3_phase_x_3 + (lower_2_1_phase_x_3 * moves_5_3);
     const float minus_moves_5_2 = (lower_3_2 * moves_5_3) + (lower_4_2 * moves_5_4);
     const float moves_6_2 = weighted_2_phase_x_3 + (lower_3_2 * minus_move_3_phase_x_3) -
@@ -700,13 +740,13 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     bool phase_x_if_not_none_phase_x_3 = true;
     float moves_1_2_phase_x;
     float moves_2_2_phase_x_2 = moves_2_2_phase_x;
-    if (excluded < 2.0f) {
+    if (x_excluded < 2.0f) {
         moves_2_3_phase_x = -minus_moves_2_3;
-        moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_1_4_phase_x);
+        moves_2_4_phase_x = weighted_4_phase_x_2 - (lower_2_1_phase_x_2 * moves_1_4_phase_x);
         moves_1_2_phase_x = -minus_moves_1_2;
     } else {
-        const bool excluded_below_3 = excluded < 3.0f;
-        if (excluded_below_3) {
+        const bool x_excluded_below_3 = x_excluded < 3.0f;
+        if (x_excluded_below_3) {
             moves_1_1_phase_x_2 = moves_3_1;
             gains_1_phase_x_2 = gains_3;
             scores_1_phase_x_2 = scores_3;
@@ -716,7 +756,7 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
             moves_1_3_phase_x_2 = moves_3_3;
             moves_2_3_phase_x = -minus_moves_4_3;
             moves_1_4_phase_x_2 = moves_3_4;
-            moves_2_4_phase_x = weighted_4_phase_x_2 - (lower_2_1_phase_x_2 * moves_3_4);
+            moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_3_4);
             phase_x_if_not_none_phase_x_2 = false;
             moves_1_2_phase_x = -minus_moves_3_2;
             moves_2_2_phase_x_2 = moves_4_2;
@@ -735,7 +775,7 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
             moves_2_2_phase_x_2 = moves_6_2;
         }
         phase_x_if_not_none_phase_x = true;
-        phase_x_if_not_none_phase_x_3 = excluded_below_3;
+        phase_x_if_not_none_phase_x_3 = x_excluded_below_3;
     }
     float added_1_phase_x = 0.0f;
     bool weights_1 = true;
@@ -922,11 +962,11 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const float cost_chi_square = hall_position_three_max(chi_square_choice + chi_square_choice_2 +
         chi_square_choice_3 + chi_square_choice_4 + chi_square_choice_5 +
         (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
-    const bool none_protection_phase_x = hall_position_three_equal(excluded, 0.0f);
-    const float protection_phase_x_sum = (moves_1_1_phase_x * moves_1_1_phase_x * gains_1_phase_x) +
+    const bool none_protection_phase_x = hall_position_three_equal(x_excluded, 0.0f);
+    const float protection_phase_x_sum_2 = (moves_1_1_phase_x * moves_1_1_phase_x * gains_1_phase_x) +
         (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x);
-    const float protection_phase_x_sum_2 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
-    const float protection_phase_x_sum_3 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
+    const float protection_phase_x_sum_3 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
+    const float protection_phase_x_sum_4 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
     const float deviation_phase_x = hall_position_three_min(channel_sigma * sqrtf(variances_1),
         largest_deviation_phase);
     const float protection_phase_y_sum = (minus_moves_1_2 * minus_moves_1_2 * gains_1_phase_x) +
@@ -949,39 +989,29 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const float moved_2 = hall_position_three_limit(best_2 + (phase_y_product - (lower_3_2 * steps_3_phase_x_2) -
         (lower_4_2 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
     const float moved_3 = hall_position_three_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), largest_step_yaw);
-    const float protection_phase_x_sum_4 = (residuals_1_phase_x * residuals_1_phase_x) +
-        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
-        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
-        (residuals_6_phase_x * residuals_6_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
-        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_2) + (gradient_2_phase_x * phase_x_product_4) +
-        (forward_3_phase_x * phase_x_product_3) + (forward_4_phase_x * steps_4_phase_x));
-    const float full_cost = hall_position_three_max(protection_phase_x_sum_4, 0.0f);
-    const float protection_phase_x_product = scores_1_phase_x * gains_1_phase_x;
-    const float protection_phase_x_product_2 = scores_2_phase_x * gains_2_phase_x;
-    const float costs_1 = full_cost -
-        ((scores_1_phase_x * protection_phase_x_product) + (scores_2_phase_x * protection_phase_x_product_2));
     const float protection_phase_x_sum_5 = hypothesis_cost + (cancellation * full_cost);
-    const bool passing_1 = (costs_1 <= protection_phase_x_sum_5) || hall_position_three_equal(excluded, 1.0f);
-    const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float protection_phase_x_product_3 = scores_4_phase_x * gains_4;
-    const float costs_2 = full_cost -
-        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product_3));
-    const bool passing_2 = (costs_2 <= protection_phase_x_sum_5) || hall_position_three_equal(excluded, 2.0f);
-    const float scores_5_times_gains_5 = scores_5 * gains_5;
-    const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
-    const float costs_3 = full_cost -
-        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
-    const bool passing_3 = (costs_3 <= protection_phase_x_sum_5) || hall_position_three_equal(excluded, 3.0f);
+    const bool protection_phase_x_test = hall_position_three_equal(x_excluded, 1.0f);
+    const bool passing_1 = (costs_1 <= protection_phase_x_sum_5) || protection_phase_x_test;
+    const uint32_t plausible_1 = state->plausible_1;
+    const bool plausible_1_2 = passing_1 || (plausible_1 != 0u);
+    const bool protection_phase_x_test_2 = hall_position_three_equal(x_excluded, 2.0f);
+    const bool passing_2 = (costs_2 <= protection_phase_x_sum_5) || protection_phase_x_test_2;
+    const uint32_t plausible_2 = state->plausible_2;
+    const bool plausible_2_2 = passing_2 || (plausible_2 != 0u);
+    const bool protection_phase_x_test_3 = hall_position_three_equal(x_excluded, 3.0f);
+    const bool passing_3 = (costs_3 <= protection_phase_x_sum_5) || protection_phase_x_test_3;
+    const uint32_t plausible_3 = state->plausible_3;
+    const bool now = passing_3 || (plausible_3 != 0u);
     float protection_phase_x_choice;
     float protection_phase_y_choice;
     float level;
-    float doubted_choice = limit_phase;
-    float doubted_choice_2 = limit_yaw;
     float limit = test_threshold;
+    float phases_valid_choice = limit_phase;
+    float phases_valid_choice_2 = limit_yaw;
     if (none_protection_phase_x) {
         protection_phase_x_choice = (undetected *
-            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_sum, protection_phase_x_sum_2),
-            protection_phase_x_sum_3))) + (level_sigmas * deviation_phase_x);
+            sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_sum_2, protection_phase_x_sum_3),
+            protection_phase_x_sum_4))) + (level_sigmas * deviation_phase_x);
         protection_phase_y_choice = (undetected *
             sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_y_sum, protection_phase_y_sum_2),
             protection_phase_y_sum_3))) + (level_sigmas * deviation_phase_y);
@@ -992,38 +1022,38 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         const float protection_phase_y_sum_4 = steps_2_phase_x - moved_2;
         const float protection_yaw_sum_4 = steps_3_phase_x - moved_3;
         float apart_protection_phase_x = 0.0f;
-        float added_protection_phase_x = protection_phase_x_sum;
+        float added_protection_phase_x = protection_phase_x_sum_2;
         float apart_protection_phase_y = 0.0f;
         float added_protection_phase_y = protection_phase_y_sum;
         float apart_protection_yaw = 0.0f;
         float added_protection_yaw = protection_yaw_sum;
-        if (passing_1) {
+        if (plausible_1_2) {
             apart_protection_phase_x = fabsf(protection_phase_x_sum_6 - ((moves_1_1_phase_x *
-                protection_phase_x_product) + (moves_2_1_phase_x * protection_phase_x_product_2)));
-            apart_protection_phase_y = fabsf(protection_phase_y_sum_4 -
-                ((moves_2_2_phase_x * protection_phase_x_product_2) - (minus_moves_1_2 * protection_phase_x_product)));
-            apart_protection_yaw = fabsf(protection_yaw_sum_4 -
-                ((moves_1_3_phase_x * protection_phase_x_product) - (minus_moves_2_3 * protection_phase_x_product_2)));
+                protection_phase_x_product_2) + (moves_2_1_phase_x * protection_phase_x_product_3)));
+            apart_protection_phase_y = fabsf(protection_phase_y_sum_4 - ((moves_2_2_phase_x *
+                protection_phase_x_product_3) - (minus_moves_1_2 * protection_phase_x_product_2)));
+            apart_protection_yaw = fabsf(protection_yaw_sum_4 - ((moves_1_3_phase_x * protection_phase_x_product_2) -
+                (minus_moves_2_3 * protection_phase_x_product_3)));
         } else {
             added_protection_phase_x = 0.0f;
             added_protection_phase_y = 0.0f;
             added_protection_yaw = 0.0f;
         }
-        if (passing_2) {
+        if (plausible_2_2) {
             apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6
-                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product_3))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_2);
+                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product))));
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_3);
             apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4
-                - ((moves_4_2 * protection_phase_x_product_3) - (minus_moves_3_2 * scores_3_times_gains_3))));
+                - ((moves_4_2 * protection_phase_x_product) - (minus_moves_3_2 * scores_3_times_gains_3))));
             added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_2);
             apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
-                ((moves_3_3 * scores_3_times_gains_3) - (minus_moves_4_3 * protection_phase_x_product_3))));
+                ((moves_3_3 * scores_3_times_gains_3) - (minus_moves_4_3 * protection_phase_x_product))));
             added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_2);
         }
-        if (passing_3) {
+        if (now) {
             apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6
                 - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * scores_6_phase_x_times_gain))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_3);
+            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_4);
             apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4
                 - ((moves_6_2 * scores_6_phase_x_times_gain) - (minus_moves_5_2 * scores_5_times_gains_5))));
             added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_3);
@@ -1031,42 +1061,75 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
                 ((moves_5_3 * scores_5_times_gains_5) - (minus_moves_6_3 * scores_6_phase_x_times_gain))));
             added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_3);
         }
-        protection_phase_x_choice = apart_protection_phase_x +
-            (level_noise * sqrtf(diagonal_1 + added_protection_phase_x));
-        protection_phase_y_choice = apart_protection_phase_y +
-            (level_noise * sqrtf(diagonal_2 + added_protection_phase_y));
-        level = apart_protection_yaw + (level_noise * sqrtf(diagonal_3 + added_protection_yaw));
-        doubted_choice = excluded_limit_phase;
-        doubted_choice_2 = excluded_limit_yaw;
+        protection_phase_x_choice = overbound * (apart_protection_phase_x +
+            (level_noise * sqrtf(diagonal_1 + added_protection_phase_x)));
+        protection_phase_y_choice = overbound * (apart_protection_phase_y +
+            (level_noise * sqrtf(diagonal_2 + added_protection_phase_y)));
+        level = overbound * (apart_protection_yaw + (level_noise * sqrtf(diagonal_3 + added_protection_yaw)));
         limit = hypothesis_threshold;
+        phases_valid_choice = excluded_limit_phase;
+        phases_valid_choice_2 = excluded_limit_yaw;
     }
-    const bool passes = factors_2 && (cost_chi_square <= (channel_variance * limit));
-    const bool accepted_2 = phases_valid_test && passes;
-    const float starts_1_plus_moved_1 = starts_1 + moved_1;
-    float phase_x_choice_17 = starts_1_plus_moved_1;
-    if (pi < starts_1_plus_moved_1) {
-        phase_x_choice_17 = starts_1_plus_moved_1 - two_pi;
+    const bool decides = !x_trial;
+    const bool passes_phases_valid = factors_2 && (cost_chi_square <= (channel_variance * limit)) && decides;
+    const bool accepted_2 = phases_valid_test && passes_phases_valid;
+    float phase_x = starts_1;
+    float phase_y = starts_2;
+    float yaw = starts_3;
+    float amplitude = amplitude_2;
+    float motions_motion_phase_x = motion_phase_x;
+    float motions_motion_phase_y = motion_phase_y;
+    float motions_motion_yaw = motion_yaw;
+    bool plausible_1_test = plausible_1_2;
+    bool plausible_2_test = plausible_2_2;
+    bool plausible_3_test = now;
+    if (x_trial) {
+        const bool refuted = x_trial && (refuted_cost < cost_chi_square);
+        plausible_1_test = (plausible_1 != 0u) && !(refuted && protection_phase_x_test);
+        plausible_2_test = (plausible_2 != 0u) && !(refuted && protection_phase_x_test_2);
+        plausible_3_test = (plausible_3 != 0u) && !(refuted && protection_phase_x_test_3);
+    } else {
+        const float starts_1_plus_moved_1 = starts_1 + moved_1;
+        float phase_x_choice_17 = starts_1_plus_moved_1;
+        if (pi < starts_1_plus_moved_1) {
+            phase_x_choice_17 = starts_1_plus_moved_1 - two_pi;
+        }
+        float phase_x_choice_18 = phase_x_choice_17;
+        if (phase_x_choice_17 < -pi) {
+            phase_x_choice_18 = phase_x_choice_17 + two_pi;
+        }
+        phase_x = hall_position_three_limit(phase_x_choice_18, pi);
+        const float starts_2_plus_moved_2 = starts_2 + moved_2;
+        float phase_y_choice = starts_2_plus_moved_2;
+        if (pi < starts_2_plus_moved_2) {
+            phase_y_choice = starts_2_plus_moved_2 - two_pi;
+        }
+        float phase_y_choice_2 = phase_y_choice;
+        if (phase_y_choice < -pi) {
+            phase_y_choice_2 = phase_y_choice + two_pi;
+        }
+        phase_y = hall_position_three_limit(phase_y_choice_2, pi);
+        yaw = hall_position_three_limit(starts_3 + moved_3, highest_yaw);
+        const float amplitude_limited = hall_position_three_min(amplitude_2 + hall_position_three_limit(best_4 +
+            (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
+        amplitude = hall_position_three_max(amplitude_limited, lowest_amplitude);
+        if (fabsf(moved_1) < largest_step_phase) {
+            motions_motion_phase_x = motion_phase_x + (0.5f * moved_1);
+        } else {
+            motions_motion_phase_x = 0.0f;
+        }
+        if (fabsf(moved_2) < largest_step_phase) {
+            motions_motion_phase_y = motion_phase_y + (0.5f * moved_2);
+        } else {
+            motions_motion_phase_y = 0.0f;
+        }
+        if (fabsf(moved_3) < largest_step_yaw) {
+            motions_motion_yaw = motion_yaw + (0.5f * moved_3);
+        } else {
+            motions_motion_yaw = 0.0f;
+        }
     }
-    float phase_x_unlimited = phase_x_choice_17;
-    if (phase_x_choice_17 < -pi) {
-        phase_x_unlimited = phase_x_choice_17 + two_pi;
-    }
-    const float phase_x = hall_position_three_limit(phase_x_unlimited, pi);
-    const float starts_2_plus_moved_2 = starts_2 + moved_2;
-    float phase_y_choice = starts_2_plus_moved_2;
-    if (pi < starts_2_plus_moved_2) {
-        phase_y_choice = starts_2_plus_moved_2 - two_pi;
-    }
-    float phase_y_unlimited = phase_y_choice;
-    if (phase_y_choice < -pi) {
-        phase_y_unlimited = phase_y_choice + two_pi;
-    }
-    const float phase_y = hall_position_three_limit(phase_y_unlimited, pi);
-    const float yaw = hall_position_three_limit(starts_3 + moved_3, highest_yaw);
-    const float amplitude_unlimited = hall_position_three_min(amplitude_2 + hall_position_three_limit(best_4 +
-        (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
-    const float amplitude = hall_position_three_max(amplitude_unlimited, lowest_amplitude);
-    const uint32_t doubted_2 = state->doubted;
+    const bool uncertain = !(none_protection_phase_x || x_certain);
     const bool detectable = (gains_1_phase_x < largest_gain) && (gains_2_phase_x < largest_gain) &&
         (gains_3 < largest_gain) && (gains_4 < largest_gain) && (gains_5 < largest_gain) && (gain < largest_gain);
     if (!detectable) {
@@ -1077,11 +1140,10 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const float protection_phase_x = hall_position_three_min(protection_phase_x_choice, largest_level_phase);
     const float protection_phase_y = hall_position_three_min(protection_phase_y_choice, largest_level_phase);
     const float protection_yaw = hall_position_three_min(level, largest_level_yaw);
-    const bool within_doubted = detectable && (protection_phase_x <= doubted_choice) &&
-        (protection_phase_y <= doubted_choice) && (protection_yaw <= doubted_choice_2);
-    const bool doubted = !(none_protection_phase_x || x_certain) &&
-        ((doubted_2 != 0u) || ((1u < (hall_position_three_flag(passing_1) + hall_position_three_flag(passing_2) +
-        hall_position_three_flag(passing_3))) && !within_doubted));
+    const bool within = detectable && (protection_phase_x <= phases_valid_choice) &&
+        (protection_phase_y <= phases_valid_choice) && (protection_yaw <= phases_valid_choice_2);
+    const bool contested = uncertain && (1u < (hall_position_three_flag(plausible_1_2) +
+        hall_position_three_flag(plausible_2_2) + hall_position_three_flag(now))) && !within;
     const uint32_t missed = state->missed;
     const bool lost = track_patience <= missed;
     const bool phases_valid_test_2 = !lost;
@@ -1095,15 +1157,9 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
             state->phase_y = phase_y;
             state->yaw = yaw;
             state->amplitude = amplitude;
-            if (fabsf(moved_1) < largest_step_phase) {
-                tracked_2_motion_phase_x = motion_phase_x + (0.5f * moved_1);
-            }
-            if (fabsf(moved_2) < largest_step_phase) {
-                tracked_2_motion_phase_y = motion_phase_y + (0.5f * moved_2);
-            }
-            if (fabsf(moved_3) < largest_step_yaw) {
-                tracked_2_motion_yaw = motion_yaw + (0.5f * moved_3);
-            }
+            tracked_2_motion_phase_x = motions_motion_phase_x;
+            tracked_2_motion_phase_y = motions_motion_phase_y;
+            tracked_2_motion_yaw = motions_motion_yaw;
         } else {
             state->phase_x = starts_1;
             state->phase_y = starts_2;
@@ -1112,12 +1168,24 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
             tracked_2_motion_phase_y = motion_phase_y;
             tracked_2_motion_yaw = motion_yaw;
         }
-        float best = 0.0f;
-        if (!(full_cost <= test_cost)) {
-            best = (costs_3 < hall_position_three_min(costs_2, costs_1)) ? 3.0f : ((costs_2 < costs_1) ? 2.0f : 1.0f);
+        const float excluded_3 = hall_position_three_max(excluded_choice, 0.0f);
+        state->excluded = (uint32_t)excluded_3;
+        const bool keeps = uncertain && (0.0f < excluded_3);
+        state->plausible_1 = hall_position_three_flag(keeps && plausible_1_test);
+        state->plausible_2 = hall_position_three_flag(keeps && plausible_2_test);
+        state->plausible_3 = hall_position_three_flag(keeps && plausible_3_test);
+        if (keeps && contested && decides) {
+            const float failing_2 = ((plausible_2 != 0u) && !passing_2) ? costs_2 : 0.0f;
+            const float failing_1 = ((plausible_1 != 0u) && !passing_1) ? costs_1 : 0.0f;
+            if (hall_position_three_max(failing_2, failing_1) <
+                    (((plausible_3 != 0u) && !passing_3) ? costs_3 : 0.0f)) {
+                state->competing = 3u;
+            } else {
+                state->competing = (uint32_t)((failing_1 < failing_2) ? 2.0f : ((0.0f < failing_1) ? 1.0f : 0.0f));
+            }
+        } else {
+            state->competing = 0u;
         }
-        state->excluded = (uint32_t)hall_position_three_max(best, 0.0f);
-        state->doubted = hall_position_three_flag(doubted);
         state->start_number = starts;
         state->candidates = 0u;
         state->missed = (accepted_2 && phases_valid_test_2) ? 0u : ((lost) ? missed : (missed + 1u));
@@ -1208,7 +1276,10 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
                 ((start_number_at_least_23) ? last_start : (start_number + hall_position_three_flag(ends)));
         }
         state->excluded = 0u;
-        state->doubted = 0u;
+        state->plausible_1 = 0u;
+        state->plausible_2 = 0u;
+        state->plausible_3 = 0u;
+        state->competing = 0u;
         state->candidates = (uint32_t)((!last || unique) ? count : 0.0f);
         state->missed = 0u;
     }
@@ -1222,11 +1293,8 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         diagnostics->phase_y = phase_y;
         diagnostics->protection_phase_x = protection_phase_x;
         diagnostics->protection_phase_y = protection_phase_y;
-        diagnostics->phases_valid = (converged && phases_valid_test && passes && within_doubted && !doubted &&
-            tracking && phases_valid_test_2) ? 1.0f : 0.0f;
-        diagnostics->saturated |= (fabsf(phase_x) >= pi) ? 0x00000001u : 0u;
-        diagnostics->saturated |= (fabsf(phase_y) >= pi) ? 0x00000002u : 0u;
-        diagnostics->saturated |= (fabsf(yaw) >= highest_yaw) ? 0x00000004u : 0u;
+        diagnostics->phases_valid = (converged && phases_valid_test && passes_phases_valid && within && tracking &&
+            phases_valid_test_2) ? 1.0f : 0.0f;
     }
     return (hall_position_three_estimator_t){.excluded = excluded, .phase_x = phase_x, .phase_y = phase_y, .yaw = yaw,
         .amplitude = amplitude, .deviation_phase_x = deviation_phase_x, .deviation_phase_y = deviation_phase_y,
@@ -1234,8 +1302,8 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         sqrtf(variances_4), largest_deviation_amplitude), .chi_square =
         hall_position_three_min(inverse_channel_variance * cost_chi_square, largest_chi_square), .protection_phase_x =
         protection_phase_x, .protection_phase_y = protection_phase_y, .protection_yaw = protection_yaw, .converged =
-        converged, .weak = weak, .doubted = doubted, .tracking = tracking, .lost = lost, .phases_valid = converged &&
-        phases_valid_test && passes && within_doubted && !doubted && tracking && phases_valid_test_2};
+        converged, .weak = weak, .tracking = tracking, .lost = lost, .phases_valid = converged && phases_valid_test &&
+        passes_phases_valid && within && tracking && phases_valid_test_2, .doubted = x_trial || contested};
 }
 
 typedef struct {
@@ -1344,7 +1412,6 @@ HALL_POSITION_THREE_INLINE uint32_t hall_position_three_body(hall_position_three
 {
     if (diagnostics != NULL) {
         diagnostics->samples += 1u;
-        diagnostics->saturated = 0u;
     }
     uint32_t faults = 0u;
     const hall_position_three_input_t accepted = hall_position_three_guard_inputs(state, in, &faults);
@@ -1358,8 +1425,8 @@ HALL_POSITION_THREE_INLINE uint32_t hall_position_three_body(hall_position_three
         state->guard.latched = 1u;
         fault_word = faults | 0x80000000u;
     }
-    const hall_position_three_estimator_t estimator = hall_position_three_estimator(&state->estimator, accepted.V_ax,
-        accepted.V_ay, accepted.V_bx, accepted.V_by, accepted.V_cx, accepted.V_cy, screen.rejected, screen.screened,
+    const hall_position_three_estimator_t estimator = hall_position_three_estimator(&state->estimator, screen.rejected,
+        accepted.V_ax, accepted.V_ay, accepted.V_bx, accepted.V_by, accepted.V_cx, accepted.V_cy, screen.screened,
         diagnostics);
     out->yaw = estimator.yaw;
     out->amplitude = estimator.amplitude;

@@ -20,18 +20,20 @@
  * not finite or        |                                   |                    |
  * outside its range    |                                   |                    |
  *
- * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
- * until the first valid sample. A lost track needs init, and so does a body that has left 8 pitches to either side of
- * the origin along X or Y. Protection levels hold for a fault of one sensor, and for voltages within 5 mV rms of the
- * model. Three sensors need a calibration of the unit to that, gains that stay within 0.3 % of it, and a map of its
- * field. Without it almost nothing is valid, and what is valid may be wrong. If a sensor fails before the first valid
- * sample, little is valid, and that may be wrong.
+ * At init the body is within half a pitch of the counted origin along X and Y, and within 9 degrees of yaw 0. It rests
+ * until the first valid sample: at least 80 % of such starts are valid within 0.15 s. A lost track needs init, and so
+ * does a body that has left 8 pitches to either side of the origin along X or Y. After a fault of one sensor, a gain,
+ * an offset, a drift, a stuck, lost or noisy voltage, at most 0.05 % of the samples are valid with an error above a
+ * protection level, for voltages within 5 mV rms of the model; nothing is valid while a sensor is excluded. Three
+ * sensors need a calibration of the unit to that, gains that stay within 0.3 % of it, and a map of its field. Without
+ * it at most 20 % of the samples are valid, and their errors may exceed the levels. If a sensor fails before the first
+ * valid sample, at most 5 % of the starts are valid, and those may be wrong.
  *
  * The gains and numbers in hall_position_three.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json says where each gain comes from.
  *
  * With HALL_POSITION_THREE_DIAGNOSTICS defined, for the .c as well, hall_position_three_step_diagnosed also says which
- * signals it computed, what is saturated and why it latched. Without the macro the diagnostics cost nothing.
+ * signals it computed and why it latched. Without the macro the diagnostics cost nothing.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error. The source
@@ -64,7 +66,13 @@ typedef struct {
     float motion_phase_y;               /* rad, -0.5 .. 0.5: predicted change of phase_y a sample */
     float motion_yaw;                   /* rad, -0.1 .. 0.1: predicted change of yaw a sample */
     uint32_t excluded;                  /* 1, 0 .. 3: number of the group of channels excluded as faulty, 0 for none */
-    uint32_t doubted;                   /* 1, 0 .. 1: another group than the excluded one may be at fault */
+    /* 1, 0 .. 1: hypothesis 1 has passed since a group is excluded, and its own solution has not failed */
+    uint32_t plausible_1;
+    /* 1, 0 .. 1: hypothesis 2 has passed since a group is excluded, and its own solution has not failed */
+    uint32_t plausible_2;
+    /* 1, 0 .. 1: hypothesis 3 has passed since a group is excluded, and its own solution has not failed */
+    uint32_t plausible_3;
+    uint32_t competing;                 /* 1, 0 .. 3: number of the group whose hypothesis is tested next, 0 for none */
     uint32_t start_number;              /* 1, 0 .. 24: starts of this sweep so far, all of them while tracking */
     uint32_t candidates;                /* 1, 0 .. 2: solutions in this sweep so far, 2 for more than one */
     uint32_t missed;                    /* 1, 0 .. 8: samples in a row without an accepted solution; the last: lost */
@@ -156,11 +164,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(hall_position_three_input_t) == 24u, "size of hall_position_three_input_t");
 _Static_assert(sizeof(hall_position_three_output_t) == 76u, "size of hall_position_three_output_t");
-_Static_assert(sizeof(hall_position_three_state_t) == 172u, "size of hall_position_three_state_t");
+_Static_assert(sizeof(hall_position_three_state_t) == 184u, "size of hall_position_three_state_t");
 #else
 extern char hall_position_three_input_size_is_24[(sizeof(hall_position_three_input_t) == 24u) ? 1 : -1];
 extern char hall_position_three_output_size_is_76[(sizeof(hall_position_three_output_t) == 76u) ? 1 : -1];
-extern char hall_position_three_state_size_is_172[(sizeof(hall_position_three_state_t) == 172u) ? 1 : -1];
+extern char hall_position_three_state_size_is_184[(sizeof(hall_position_three_state_t) == 184u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -180,7 +188,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     hall_position_three_output_t *out);
 
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
- * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phase_x, 1 phase_y, 2 yaw. */
+ * some. Set the struct to zero when you call init. */
 typedef struct {
     float rejected;                     /* 1: number of the group of channels that is refused or frozen */
     float screened;                     /* 1: no group of channels is faulty, or a single one, which is rejected */
@@ -199,7 +207,6 @@ typedef struct {
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */
     uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
-    uint32_t saturated;                 /* signals at their limits in the last step */
 } hall_position_three_diagnostics_t;
 
 #if defined(HALL_POSITION_THREE_DIAGNOSTICS)

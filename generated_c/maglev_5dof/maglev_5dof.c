@@ -1034,6 +1034,28 @@ MAGLEV_5DOF_INLINE maglev_5dof_errors_t maglev_5dof_errors(float y, float y_ref_
         .e_phi = phi - phi_ref_held, .e_theta = theta - theta_ref_held};
 }
 
+/* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
+ * de_y = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
+ *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
+ *     r_next = fade * r + s_next + rho * s */
+MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, uint32_t ready, float e)
+{
+    static const float fade = 0.36787945f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
+    static const float rho = 0.5121659f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
+
+    const float q_prev = state->q_prev;
+    state->q_prev = e;
+    const float s = state->s;
+    float d = 0.0f;
+    if (ready != 0u) {
+        d = e - q_prev;
+    }
+    const float s_next = (fade * s) + d;
+    state->s = s_next;
+    state->r = (fade * state->r) + s_next + (rho * s);
+    return state->r;
+}
+
 typedef struct {
     float k_e;                          /* 1/s^2; F(14)-(16): gain on e */
     float k_de_times_filter_h;          /* 1/s^2; F(14)-(16): gain on de; times filter_y_h */
@@ -1042,23 +1064,14 @@ typedef struct {
     float k_q1;                         /* 1/s^2; F(14)-(16): gain on q1 */
 } maglev_5dof_regulator_parameters_t;
 
-typedef struct {
-    float filter_s_next;
-    float filter_r_next;
-    float w_tracking;
-} maglev_5dof_regulator_t;
-
 /* regulator_y, regulator_phi, regulator_theta: F(14)-(16)
  *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
  *     sum_next = sum + e_y if |sum + e_y| <= bound, else sum
  *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= p1_bound, else p1
  *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= bound, else q1 */
-MAGLEV_5DOF_INLINE maglev_5dof_regulator_t maglev_5dof_regulator(maglev_5dof_regulator_state_t *state,
-    const maglev_5dof_regulator_parameters_t *parameters, float e, float filter_r, float filter_s, uint32_t ready,
-    float filter_q_prev)
+MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *state,
+    const maglev_5dof_regulator_parameters_t *parameters, float e, float filter_r_next)
 {
-    static const float filter_fade = 0.36787945f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
-    static const float filter_rho = 0.5121659f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
     static const float bound = 600.0f; /* m; of the internal model: a larger next value is not taken; of sum, q1 */
     static const float c1 = 2.2206568e-05f;                     /* 1; F(14)-(16): 2 - 2 cos(w T), w T = 0.00471239 */
     static const float p1_bound = 3.0f; /* m; of the internal model: a larger next value is not taken */
@@ -1078,15 +1091,8 @@ MAGLEV_5DOF_INLINE maglev_5dof_regulator_t maglev_5dof_regulator(maglev_5dof_reg
     if (fabsf(q1_next) <= bound) {
         state->q1 = q1_next;
     }
-    float d = 0.0f;
-    if (ready != 0u) {
-        d = e - filter_q_prev;
-    }
-    const float filter_s_next = (filter_fade * filter_s) + d;
-    const float filter_r_next = (filter_fade * filter_r) + filter_s_next + (filter_rho * filter_s);
-    return (maglev_5dof_regulator_t){.filter_s_next = filter_s_next, .filter_r_next = filter_r_next,
-        .w_tracking = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) +
-        (parameters->k_sum * sum) + (parameters->k_p1 * p1) + (parameters->k_q1 * q1)};
+    return (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) + (parameters->k_sum * sum) +
+        (parameters->k_p1 * p1) + (parameters->k_q1 * q1);
 }
 
 typedef struct {
@@ -1129,12 +1135,6 @@ MAGLEV_5DOF_INLINE maglev_5dof_angles_t maglev_5dof_angles(uint32_t latched, boo
         .z_commutation = ((latched != 0u) && lost_z) ? not_known : z_held};
 }
 
-typedef struct {
-    float filter_s_next;
-    float filter_r_next;
-    float w_tracking;
-} maglev_5dof_regulator_output_t;
-
 /* regulator_x, regulator_z: F(14)-(17)
  *     w_x_tracking = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
  *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= bound, else
@@ -1143,26 +1143,17 @@ typedef struct {
  *         else p1
  *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
  *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= bound, else q1 */
-MAGLEV_5DOF_INLINE maglev_5dof_regulator_output_t maglev_5dof_regulator_output(const maglev_5dof_regulator_state_t
-    *state, float e, float filter_r, float filter_s, uint32_t ready, float filter_q_prev)
+MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulator_state_t *state, float e,
+    float filter_r_next)
 {
-    static const float filter_fade = 0.36787945f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
-    static const float filter_rho = 0.5121659f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
     static const float k_e = -525.33453f;                       /* 1/s^2; F(14)-(17): gain on e */
     static const float k_de_times_filter_h = -13345.273f;       /* 1/s^2; F(14)-(17): gain on de; times filter_x_h */
     static const float k_sum = -0.9552653f;                     /* 1/s^2; F(14)-(17): gain on sum */
     static const float k_p1 = -56.45106f;                       /* 1/s^2; F(14)-(17): gain on p1 */
     static const float k_q1 = -1.7875412f;                      /* 1/s^2; F(14)-(17): gain on q1 */
 
-    float d = 0.0f;
-    if (ready != 0u) {
-        d = e - filter_q_prev;
-    }
-    const float filter_s_next = (filter_fade * filter_s) + d;
-    const float filter_r_next = (filter_fade * filter_r) + filter_s_next + (filter_rho * filter_s);
-    return (maglev_5dof_regulator_output_t){.filter_s_next = filter_s_next, .filter_r_next = filter_r_next,
-        .w_tracking = (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) +
-        (k_q1 * state->q1)};
+    return (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) +
+        (k_q1 * state->q1);
 }
 
 typedef struct {
@@ -1805,57 +1796,19 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
         const maglev_5dof_errors_t errors = maglev_5dof_errors(y, accepted.y_ref, x_monitor_output.held, accepted.x_ref,
             z_monitor_output.held, accepted.z_ref, kinematics_output.phi, accepted.phi_ref, kinematics_output.theta,
             accepted.theta_ref, diagnostics);
-        const maglev_5dof_regulator_t regulator_y = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator,
-            errors.e_y, state->filter_y_r, state->filter_y_s, guard_ready, state->filter_y_q_prev);
-        const maglev_5dof_regulator_t regulator_phi = maglev_5dof_regulator(&state->regulator_phi,
-            &regulator_phi_regulator, errors.e_phi, state->filter_phi_r, state->filter_phi_s, guard_ready,
-            state->filter_phi_q_prev);
-        state->filter_y_q_prev = errors.e_y;
-
-        /* filter_y: derivative filter
-         * de_y = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
-         *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
-         *     r_next = fade * r + s_next + rho * s */
-        state->filter_y_s = regulator_y.filter_s_next;
-        state->filter_y_r = regulator_y.filter_r_next;
-        const float filter_x_q_prev = state->filter_x_q_prev;
-        state->filter_x_q_prev = errors.e_x;
-        const maglev_5dof_regulator_output_t regulator_x_output = maglev_5dof_regulator_output(&state->regulator_x,
-            errors.e_x, state->filter_x_r, state->filter_x_s, guard_ready, filter_x_q_prev);
-
-        /* filter_x: derivative filter
-         * de_x = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
-         *     as filter_y, with x in place of y */
-        state->filter_x_s = regulator_x_output.filter_s_next;
-        state->filter_x_r = regulator_x_output.filter_r_next;
-        const float filter_z_q_prev = state->filter_z_q_prev;
-        state->filter_z_q_prev = errors.e_z;
-        const maglev_5dof_regulator_output_t regulator_z_output = maglev_5dof_regulator_output(&state->regulator_z,
-            errors.e_z, state->filter_z_r, state->filter_z_s, guard_ready, filter_z_q_prev);
-
-        /* filter_z: derivative filter
-         * de_z = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
-         *     as filter_y, with z in place of y */
-        state->filter_z_s = regulator_z_output.filter_s_next;
-        state->filter_z_r = regulator_z_output.filter_r_next;
-        state->filter_phi_q_prev = errors.e_phi;
-
-        /* filter_phi: derivative filter
-         * de_phi = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
-         *     as filter_y, with phi in place of y */
-        state->filter_phi_s = regulator_phi.filter_s_next;
-        state->filter_phi_r = regulator_phi.filter_r_next;
-        const float filter_theta_q_prev = state->filter_theta_q_prev;
-        state->filter_theta_q_prev = errors.e_theta;
-        const maglev_5dof_regulator_t regulator_theta = maglev_5dof_regulator(&state->regulator_theta,
-            &regulator_theta_regulator, errors.e_theta, state->filter_theta_r, state->filter_theta_s, guard_ready,
-            filter_theta_q_prev);
-
-        /* filter_theta: derivative filter
-         * de_theta = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
-         *     as filter_y, with theta in place of y */
-        state->filter_theta_s = regulator_theta.filter_s_next;
-        state->filter_theta_r = regulator_theta.filter_r_next;
+        const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, errors.e_y);
+        const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, errors.e_y,
+            filter_y_r_next);
+        const float filter_x_r_next = maglev_5dof_filter(&state->filter_x, guard_ready, errors.e_x);
+        const float filter_z_r_next = maglev_5dof_filter(&state->filter_z, guard_ready, errors.e_z);
+        const float filter_phi_r_next = maglev_5dof_filter(&state->filter_phi, guard_ready, errors.e_phi);
+        const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator,
+            errors.e_phi, filter_phi_r_next);
+        const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, errors.e_theta);
+        const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator,
+            errors.e_theta, filter_theta_r_next);
+        const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, errors.e_x, filter_x_r_next);
+        const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, errors.e_z, filter_z_r_next);
         const maglev_5dof_observer_theta_t observer_theta = maglev_5dof_observer_theta(&state->observer_theta,
             guard_ready, kinematics_output.theta, state->delay_w_theta_last, diagnostics);
         const maglev_5dof_observer_y_t observer_y = maglev_5dof_observer_y(&state->observer_y, guard_ready, y,
@@ -1867,12 +1820,11 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
             z_monitor_output.trusted, z_monitor_output.held, z_frozen, state->delay_a_z_last,
             z_monitor_output.unchanged);
         const maglev_5dof_landing_t landing = maglev_5dof_landing(&state->landing, redundancy_update.regular,
-            guard_ready, kinematics_output.phi, regulator_phi.w_tracking, redundancy_update.theta_measured,
+            guard_ready, kinematics_output.phi, w_phi_tracking, redundancy_update.theta_measured,
             observer_theta.theta_rate_if_ready, observer_theta.theta_estimate, observer_theta.theta_disturbance,
-            regulator_theta.w_tracking, observer_y.y_estimate, observer_y.y_rate, observer_y.y_disturbance,
-            regulator_y.w_tracking, observer_x.estimate, observer_x.rate, observer_x.disturbance,
-            regulator_x_output.w_tracking, observer_z.estimate, observer_z.rate, observer_z.disturbance,
-            regulator_z_output.w_tracking, diagnostics);
+            w_theta_tracking, observer_y.y_estimate, observer_y.y_rate, observer_y.y_disturbance, w_y_tracking,
+            observer_x.estimate, observer_x.rate, observer_x.disturbance, w_x_tracking, observer_z.estimate,
+            observer_z.rate, observer_z.disturbance, w_z_tracking, diagnostics);
         const float w_x = maglev_5dof_probe(&state->probe_x, x_monitor_output.unchanged, landing.w_x_unprobed, free,
             errors.e_x);
         const float w_z = maglev_5dof_probe(&state->probe_z, z_monitor_output.unchanged, landing.w_z_unprobed, free,
@@ -1921,11 +1873,11 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
             diagnostics->z_unchanged = (float)z_monitor_output.unchanged;
             diagnostics->z_frozen = (float)z_frozen;
             diagnostics->free = free ? 1.0f : 0.0f;
-            diagnostics->w_y_tracking = regulator_y.w_tracking;
-            diagnostics->w_x_tracking = regulator_x_output.w_tracking;
-            diagnostics->w_z_tracking = regulator_z_output.w_tracking;
-            diagnostics->w_phi_tracking = regulator_phi.w_tracking;
-            diagnostics->w_theta_tracking = regulator_theta.w_tracking;
+            diagnostics->w_y_tracking = w_y_tracking;
+            diagnostics->w_x_tracking = w_x_tracking;
+            diagnostics->w_z_tracking = w_z_tracking;
+            diagnostics->w_phi_tracking = w_phi_tracking;
+            diagnostics->w_theta_tracking = w_theta_tracking;
             diagnostics->x_estimate = observer_x.estimate;
             diagnostics->x_rate = observer_x.rate;
             diagnostics->x_disturbance = observer_x.disturbance;

@@ -244,6 +244,12 @@ typedef struct {
 } maglev_5dof_regulator_state_t;
 
 typedef struct {
+    float q_prev;                       /* m or rad: signal one sample ago */
+    float s;                            /* m or rad: fading sum of the differences */
+    float r;                            /* m or rad: filtered rate over h */
+} maglev_5dof_filter_state_t;
+
+typedef struct {
     float code_y1;                      /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
     uint32_t still_y1;                  /* 1, 0 .. 8: samples without a change */
     uint32_t excluded_y1;               /* 1, 0 .. 1: wrong until init */
@@ -322,10 +328,15 @@ typedef struct {
     maglev_5dof_monitor_state_t x_monitor;
     maglev_5dof_monitor_state_t z_monitor;
     maglev_5dof_redundancy_state_t redundancy;
+    maglev_5dof_filter_state_t filter_y;
     maglev_5dof_regulator_state_t regulator_y;
+    maglev_5dof_filter_state_t filter_x;
     maglev_5dof_regulator_state_t regulator_x;
+    maglev_5dof_filter_state_t filter_z;
     maglev_5dof_regulator_state_t regulator_z;
+    maglev_5dof_filter_state_t filter_phi;
     maglev_5dof_regulator_state_t regulator_phi;
+    maglev_5dof_filter_state_t filter_theta;
     maglev_5dof_regulator_state_t regulator_theta;
     maglev_5dof_handover_state_t handover;
     maglev_5dof_observer_state_t observer_y;
@@ -336,21 +347,6 @@ typedef struct {
     maglev_5dof_landing_state_t landing;
     maglev_5dof_probe_state_t probe_x;
     maglev_5dof_probe_state_t probe_z;
-    float filter_y_q_prev;              /* m, -0.0165 .. 0.0165: signal one sample ago */
-    float filter_y_s;                   /* m, -0.0522105 .. 0.0522105: fading sum of the differences */
-    float filter_y_r;                   /* m, -0.124911 .. 0.124911: filtered rate over h */
-    float filter_x_q_prev;              /* m, -0.15 .. 0.15: signal one sample ago */
-    float filter_x_s;                   /* m, -0.47464 .. 0.47464: fading sum of the differences */
-    float filter_x_r;                   /* m, -1.13555 .. 1.13555: filtered rate over h */
-    float filter_z_q_prev;              /* m, -0.15 .. 0.15: signal one sample ago */
-    float filter_z_s;                   /* m, -0.47464 .. 0.47464: fading sum of the differences */
-    float filter_z_r;                   /* m, -1.13555 .. 1.13555: filtered rate over h */
-    float filter_phi_q_prev;            /* rad, -0.023 .. 0.023: signal one sample ago */
-    float filter_phi_s;                 /* rad, -0.0727782 .. 0.0727782: fading sum of the differences */
-    float filter_phi_r;                 /* rad, -0.174118 .. 0.174118: filtered rate over h */
-    float filter_theta_q_prev;          /* rad, -0.045 .. 0.045: signal one sample ago */
-    float filter_theta_s;               /* rad, -0.142392 .. 0.142392: fading sum of the differences */
-    float filter_theta_r;               /* rad, -0.340666 .. 0.340666: filtered rate over h */
     float delay_w_y_last;               /* m/s^2, -1e+06 .. 1e+06: w_y one sample ago */
     float delay_a_x_last;               /* m/s^2, -1e+06 .. 1e+06: a_x one sample ago */
     float delay_a_z_last;               /* m/s^2, -1e+06 .. 1e+06: a_z one sample ago */

@@ -93,7 +93,7 @@ def read(path: Path) -> Lines:
 
 @dataclass(frozen=True)
 class Call:
-    """An inlined call: addresses low <= a < high, the line of the call in the caller, and the function that is called."""
+    """An inlined call: addresses low <= a < high, its line in the caller, and the function that is called."""
 
     low: int
     high: int

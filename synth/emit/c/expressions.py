@@ -19,12 +19,12 @@ ATOM = 9
 ARITHMETIC = (4, 5)
 RESERVED = LIBM | {f"{function}f" for function in LIBM}
 RESERVED |= {"state", "in", "out", "parameters", "diagnostics", "bool", "true", "false", "uint32_t"}
-RESERVED |= {
-    *"auto break case char const continue default do double else enum extern float for goto if inline int long".split(),
-    *"register restrict return short signed sizeof static struct switch typedef union unsigned void volatile".split(),
-    *"while class delete explicit export friend mutable namespace new operator private protected public".split(),
-    *"template this throw try typename using virtual".split(),  # of C++, which compiles the header and the source as well
-}
+_KEYWORDS = """
+auto break case char class const continue default delete do double else enum explicit export extern float for friend
+goto if inline int long mutable namespace new operator private protected public register restrict return short signed
+sizeof static struct switch template this throw try typedef typename union unsigned using virtual void volatile while
+"""  # of C and of C++, which compiles the source as well
+RESERVED |= {*_KEYWORDS.split()}
 HELPERS = ("min", "max", "limit", "flag", "slew", "equal")
 GUARDS = ("hold", "hold_within", "replace", "replace_within")
 INLINE = ("literal", "constant", "argument", "parameter")  # printed wherever they are read
