@@ -1474,7 +1474,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         } else {
             amplitude_if_not_unique = amplitude;
             const uint32_t age_sum = age + 1u;
-            state->age = (uint32_t)hall_position_four_min((float)age_sum, 3.0f);
+            const float age_if_not_ends = hall_position_four_min((float)age_sum, 3.0f);
+            state->age = (uint32_t)age_if_not_ends;
         }
         if (unique) {
             state->phase_x = candidate_phase_x_2;

@@ -39,8 +39,8 @@ class Text:
 
     @property
     def is_composite(self) -> bool:
-        """Whether its value must be assigned before it is cast (MISRA C:2012, rule 10.8)."""
-        return self.strength in ARITHMETIC
+        """Whether its value must be assigned before it is cast (MISRA C:2012, rule 10.8): arithmetic, or a call."""
+        return self.strength in ARITHMETIC or re.match(r"\w+\(", self.c) is not None
 
     @property
     def is_bare(self) -> bool:
