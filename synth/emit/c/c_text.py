@@ -1,9 +1,9 @@
-"""C99 files of a lowered Block: a header with three structs, and one step function without loops.
+"""C99 files of a lowered Block: a header with three structs, a function for each Block, and the step that calls them.
 
     void     <name>_init(<name>_state_t *state);
     uint32_t <name>_step(<name>_state_t *state, const <name>_input_t *in, <name>_output_t *out);   fault bits
 
-The constants are local to the step, their only reader; one that a single section reads stands at its head.
+The constants are local to the functions that read them.
 
 CasADi's C code generator (`CodeGenerator`), in double: an oracle for the emitted C, and plant code in simulations.
 

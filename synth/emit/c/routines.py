@@ -1,4 +1,4 @@
-"""Text of what a step calls: structs of the Blocks' states and parameters, and the functions that several Blocks share.
+"""Text of what a step calls: structs of the Blocks' states, results and parameters, and their functions.
 
 typedef struct { .. } <name>_<part>_state_t;                        in the header, a member of the state
 typedef struct { .. } <name>_<part>_parameters_t;                   the step has one for each Block

@@ -1,5 +1,6 @@
 """Blocks that are one program but for names and numbers are one function; any other difference keeps them apart."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ from synth.emit import pipeline
 from synth.emit.c import routine
 from synth.emit.passes import parts
 from synth.emit.passes.parts import Form, Part
+from synth.emit.program.lower import Program
 from synth.emit.write import emit
 from synth.execute import host
 from synth.signals import Signal
@@ -261,3 +263,75 @@ def test_a_function_has_a_bound_as_one_parameter_and_admits_what_is_certified(mo
     ours, theirs = (host.load(e.files, e.manifest).replay(u) for e in (outlined, flat))
     for name in (f"w_{n}" for n in AXES):
         np.testing.assert_array_equal(ours.outputs[name], theirs.outputs[name])
+
+
+def watched() -> Block:
+    """Return a watch of many operations whose result another Block reads only while a flag of the watch is set."""
+
+    def watch(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        e, size = u["e"], ca.fabs(u["e"])
+        score = ca.sqrt(1 + e**2) * (2 - e) + (e + 0.25) * (e - 0.75) * (size + 1) + size * (e + 3)
+        return Step({"far": size > 0.5, "score": score})
+
+    def use(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        return Step({"y": ca.if_else(u["far"], u["score"] * (u["e"] - 0.5) + u["score"], u["e"] * (u["e"] + 2))})
+
+    e, far, score = Signal("e", "1", -1, 1), Signal("far", "1", 0, 1), Signal("score", "1", -99, 99)
+    blocks = [
+        build("watch", TIME, watch, inputs=[e], outputs=[far, score]),
+        build("use", TIME, use, inputs=[e, far, score], outputs=[Signal("y", "1", -999, 999)]),
+    ]
+    return compose("pair", blocks, inputs=["e"], outputs=["y"])
+
+
+def differing(block: Block) -> int:
+    """Return how many outputs differ from those of the C whose step computes everything itself."""
+    made = emit(block, F32)
+    u = {"e": np.random.default_rng(5).uniform(-1, 1, 400).astype(F32)}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parts, "alike", lambda p: [])
+        patch.setattr(parts, "with_idle_results", lambda p: p)
+        flat = emit(replace(block, name="flat"), F32)
+    ours, theirs = (host.load(e.files, e.manifest).replay(u) for e in (made, flat))
+    return int(np.count_nonzero(ours.outputs["y"] != theirs.outputs["y"]))
+
+
+def test_what_others_do_not_read_is_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = emit(watched(), F32).files["pair.c"]
+    assert re.search(r"float score = 0\.0f;\n +if \(far\) \{", text), text
+    assert differing(watched()) == 0
+    contexts = parts._contexts
+
+    def turned(p: Program) -> list[frozenset[tuple[int, bool]] | None]:
+        return [of and frozenset((k, not holds) for k, holds in of) for of in contexts(p)]
+
+    monkeypatch.setattr(parts, "_contexts", turned)  # the planted defect: 0 on the side that reads it
+    assert differing(replace(watched(), name="turned")) > 100
+
+
+def test_a_function_compares_its_own_counts_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An analyser relates no flag that a function is passed to the count that it follows from."""
+
+    def count(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        full = x["n"] >= 5
+        n = ca.if_else(u["held"] > 0.5, ca.if_else(full, x["n"], x["n"] + 1), 0)
+        return Step({"full": full, "w": u["held"] * (x["s"] + 1) + x["s"]}, {"n": n, "s": 0.5 * u["held"]})
+
+    def judge(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        return Step({"held": ca.if_else(u["full"], 0, ca.fabs(u["e"]) * (1 - 0.25 * u["e"] ** 2))})
+
+    e, full, held = Signal("e", "1", -1, 1), Signal("full", "1", 0, 1), Signal("held", "1", 0, 1)
+    states = [State(Signal("n", "1", 0, 5), 0, True), State(Signal("s", "1", 0, 1), 0)]
+    blocks = [
+        build("count", TIME, count, inputs=[held], outputs=[full, Signal("w", "1", -9, 9)], states=states),
+        build("judge", TIME, judge, inputs=[e, full], outputs=[held]),
+    ]
+    block = compose("counts", blocks, inputs=["e"], outputs=["w"])
+
+    def function(name: str) -> str:
+        text = emit(replace(block, name=name), F32).files[f"{name}.c"]
+        return text[text.index(f" {name}_count(") : text.index(f"void {name}_init(")]
+
+    assert "if (n < 5u)" in function("counts") and "bool" not in function("counts")
+    monkeypatch.setattr(parts, "_comparisons", lambda *_: frozenset())
+    assert "bool" in function("flags")
