@@ -17,14 +17,15 @@ BUILDS = {build.name: build for build in meter.BUILDS}
 O2, OS, CONTRACTED, ZIG = "gcc, newlib", "gcc, newlib, small", "gcc, newlib, contracted", "zig, musl"
 CEILINGS = {
     # 900 were asked for of both planar controllers, which predict and brake; the watch over repeated codes takes some
-    # ten more, the test that no demand passes before the first complete sample ten, and the force of a cable fifteen.
-    "planar_6dof_leadlag": {O2: 940, OS: 895, CONTRACTED: 890},
-    "planar_6dof_lqg": {O2: 930, OS: 900, CONTRACTED: 892},
-    "planar, recorded": {O2: 925},
-    "planar, failures": {O2: 925},
+    # ten more, the test that no demand passes before the first complete sample ten, the force of a cable fifteen, and
+    # one function a Block ten.
+    "planar_6dof_leadlag": {O2: 950, OS: 895, CONTRACTED: 898},
+    "planar_6dof_lqg": {O2: 945, OS: 900, CONTRACTED: 900},
+    "planar, recorded": {O2: 940},
+    "planar, failures": {O2: 940},
     # Of -O2 as long as no integral is at its limit, of -Os always.
     "reduced": {O2: 95, OS: 95},
-    "full": {O2: 100, OS: 100},
+    "full": {O2: 100, OS: 102},
     # The scale of the voltages costs 13 and 6 instructions of these.
     "sensing, predicted": {O2: 350, ZIG: 340},
     "sensing, as measured": {O2: 245, ZIG: 255},

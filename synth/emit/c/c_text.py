@@ -100,7 +100,8 @@ def source(
     block: Block, program: Program, surrogates: Sequence[Surrogate], layout: Layout, body: Sequence[Line]
 ) -> list[Line]:
     """Return the lines of <name>.c around the `body` of its step."""
-    used = {n.op for q in (program, *(c.routine.program for c in program.calls.values())) for n in q.nodes}
+    programs = (program, *(c.routine.program for c in program.calls.values()))
+    used = {n.op for q in programs for n in q.nodes}
     parts = [f"/* {block.name}. Generated: do not edit. */"]
     if any("@ admit" in line.text for line in body):
         parts += ["/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */"]
@@ -119,6 +120,8 @@ def source(
     inlines = program.calls or diagnostics.records(program) or any(n.op == "guard" for n in program.nodes)
     parts += _inline(block, program) if inlines else []
     parts += _guards(block, program, layout)
+    for name in dict.fromkeys(n.name for q in programs for n in q.nodes if n.op == "table"):
+        parts += [*_table(name, program.tables[name], layout), ""]
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
     shared = [row for declare in _constants(block, program, layout).values() for row in declare("    ")]
@@ -269,10 +272,10 @@ def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
     ]
 
 
-def _table(name: str, values: Sequence[float], layout: Layout, indent: str) -> list[str]:
-    numbers, further = ", ".join(literal(v, layout.scalar).c for v in values), f"{indent}    "
-    rows = wrap(numbers, 112, initial_indent=further, subsequent_indent=further, break_on_hyphens=False)
-    return [f"{indent}static const {layout.ctype} {constant(name)}[{len(values)}] = {{", *rows, f"{indent}}};"]
+def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
+    numbers = ", ".join(literal(v, layout.scalar).c for v in values)
+    rows = wrap(numbers, 112, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False)
+    return [f"static const {layout.ctype} {constant(name)}[{len(values)}] = {{", *rows, "};"]
 
 
 def _constants(block: Block, program: Program, layout: Layout) -> dict[str, Callable[[str], Sequence[str]]]:
@@ -287,8 +290,6 @@ def _constants(block: Block, program: Program, layout: Layout) -> dict[str, Call
             declared[constant(c.name)] = partial(routines.number, constant(c.name), c, layout)
     for name, text in routines.parameters(block, program, layout).items():
         declared[name] = partial(_behind, text)
-    for name in dict.fromkeys(n.name for n in program.nodes if n.op == "table"):
-        declared[constant(name)] = partial(_table, name, program.tables[name], layout)
     return declared
 
 

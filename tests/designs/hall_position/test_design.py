@@ -113,7 +113,7 @@ def test_the_committed_c_keeps_its_contract_over_the_whole_domain() -> None:
 def test_a_state_beyond_its_bounds_is_detected() -> None:
     """The planted defect."""
     files, manifest = committed_files(config.NAME)
-    name, state = f"{config.NAME}.c", "state->estimator_motion_x = "
+    name, state = f"{config.NAME}.c", "state->motion_x = "
     text, count = re.subn(rf"{state}[^;]+;", f"{state}2.0f;", files[name])
     assert count == 1
     proof = eva.prove({**files, name: text}, manifest)

@@ -75,8 +75,8 @@ def mutants(at: WitnessSteps, count: int) -> Iterator[tuple[str, agree.Witness]]
     """
     name = at.subject.block.name
     text = at.emitted.files[f"{name}.c"]
-    start = text.index(f"{name}_step(")
-    unused = rf"/\*.*?\*/|#if defined\({name.upper()}_DIAGNOSTICS\).*?#e"  # comments, and what is not compiled
+    start = text.index("typedef struct")  # behind the functions of one operation
+    unused = r"/\*.*?\*/|if \(diagnostics != NULL\) \{.*?\}"  # comments, and what a null pointer leaves out
     spans = [m.span() for m in re.finditer(unused, text, re.S)]
     left_alone = r" [-+] (?![\d.]+e-|least_|nearly_zero_m)"
     places = [m.start() + 1 for m in re.finditer(left_alone, text) if m.start() > start]

@@ -40,6 +40,11 @@ COSTLY = 500  # steps of each of those where the costliest steps are
 UNREACHABLE = (
     (r"if \(\w+ && !(\w+|\(sensing_contradiction_left != 0u\))\) \{", 1, "one of them is known from above"),
     (
+        r"if \((sensing_)?contradiction_confirmed != 0u\)",
+        1,
+        "tested in the function and for the fault word: once known",
+    ),
+    (
         r"if \((!measured|accepted_x_raw)\) \{",
         1,
         "gcc, no copies: tested again behind the branch that has just accepted",

@@ -32,6 +32,7 @@ UNREACHED = {
     "places beyond the range along Y alone": r"bool valid = .*fabsf\(count_y\)",
     "a number of an excluded sensor above the last one, or below 0": r"= \w+_equal\(x_excluded, ",
     "sums of squares, below 0 by rounding only": r"_(part|limited)\w* = \w+_max\(0\.0f, |(full|chi).* = \w+_max\(",
+    "a limit of chi-square beyond the largest one": r"_min\(inverse_channel_variance \* ",
 }
 
 
