@@ -27,20 +27,14 @@ Finish = Callable[[Array, Array, Array], tuple[Array, Array, dict[str, Any]]]
 Law = Callable[[Columns, Array, Array, Flags], tuple[Array, Finish]]
 
 T = 1e-3  # s
-QUIET, NOISE = 4 * (5e-6 + 7e-6), 2 * np.sqrt(1e-10 + 1e-10 / 12)  # m: half a count and an offset; noise of one count
-LARGEST = 4 * 7e-6 + 6.109410204869 * NOISE  # m: 6.1 standard deviations leave 1e-9 of the samples
 SENSING = redundancy.Sensors(
     dict(zip(NAMES[:4], (1.0, -1.0, 1.0, -1.0), strict=True)),
-    QUIET,
-    (LARGEST - QUIET) / (2 / np.sqrt(np.pi) * NOISE),
-    LARGEST,
+    4 * (5e-6 + 7e-6),  # m: half a count and an offset of each gap encoder
     "xz",
     gate=40e-6,  # m
-    frozen=82e-6,  # m: the noise of four codes cancels such a motion in 1e-9 of the samples
     jump=0.15e-3,  # m: 40 um, 66 um at the rate and 27 um by an acceleration of 53 m/s^2, and a count of 10 um
     wide_jump=0.5e-3,  # m
     wide_frozen=0.2e-3,  # m
-    away=0.3e-3,  # m
     travel=0.0499,  # m
     longest=40,
     low=LOW[:SENSORS],
@@ -126,7 +120,7 @@ def step(
     still = np.array([after_readings[f"{s}_monitor_still"] for s in "xz"])
     acting = rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
     q, v, d, after_observers = predictor.observe(
-        state, pose, acting, flag["trusted"], flag["frozen"], flag["diverges"], still, ready, OBSERVERS
+        state, pose, acting, flag["trusted"], flag["frozen"], still, ready, OBSERVERS
     )
     last, set_points = rows(state, LAST), values[SENSORS:]
     e = pose - set_points

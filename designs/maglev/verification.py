@@ -113,7 +113,7 @@ def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns, most: Map
         states[code] = np.where(rng.uniform(size=n) < 0.5, y, _neighbours(rng, y))
         states[out] = (rng.uniform(size=n) < RARE).astype(float)
     for name in "xz":
-        states[f"{name}_monitor_doubts"] = np.where(rng.uniform(size=n) < RARE, rng.integers(0, 21, n), 0)
+        states[f"{name}_monitor_doubts"] = np.where(rng.uniform(size=n) < RARE, rng.integers(0, 11, n), 0)
         states[f"{name}_monitor_before"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
         states[f"probe_{name}_sample"] = np.where(
             rng.uniform(size=n) < 0.5, 0, rng.integers(0, most[f"probe_{name}_sample"] + 1, n)

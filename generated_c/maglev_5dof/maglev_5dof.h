@@ -20,12 +20,11 @@
  *     current, while its gap is above 30.5 mm
  *   - without three gap encoders, or without x and z, it latches in flight, with the safe output
  *   - zero current pulls the platen up from a gap below 28.7 mm
- *   - in flight the safe output, 2.5 A rms, lowers a level platen from every gap between its stops, 18 mm to 31 mm,
- *     also with all parameters at their tolerances, but at 18 mm magnets 10 % stronger than assumed may hold one that
- *     is tilted about Z by 7 mrad or more
- *   - it is no soft landing: from 18 mm the platen meets its lower stop at up to 0.57 m/s
+ *   - in flight the safe output, 2.5 A rms, lowers it from every gap between its stops, 18 mm to 31 mm, also with all
+ *     parameters at their tolerances, and is no soft landing: from 18 mm the platen meets its lower stop at up to 0.57
+ *     m/s
  *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.00028 m/s (x) and 0.011 rad/s (phi) and hits a stop at 0.0054 m/s (y)
+ *     machine reaches 0.00029 m/s (x) and 0.012 rad/s (phi) and hits a stop at 0.0054 m/s (y)
  *   - in motion the machine reaches 0.0016 m/s (x) and 0.44 rad/s (theta) and hits a stop at 0.018 m/s (y)
  *   - at rest, tilted at 18.5 mm the machine reaches 0.00092 m/s (x) and 0.24 rad/s (phi) and hits a stop at 0.0052 m/s
  *     (y)
@@ -33,7 +32,7 @@
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
- * A refused input is replaced by its last good value, and before its first good value by 0.03095 m (y_ref), 0 m (x_ref,
+ * A refused input is replaced by its last good value, and before its first good value by 0.03098 m (y_ref), 0 m (x_ref,
  * z_ref), 0 rad (phi_ref, theta_ref); a refused measurement is replaced by what the others or a prediction say, from
  * the first sample on.
  *
@@ -60,10 +59,9 @@
  * outside its range    |                                   | relation           | axes go on
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
  * one of y1, y2, y3    | bits 11 to 14; |residual| above   | what the others    | from then on no relation is left:
- * and y4 frozen,       | 4.8e-05 m in 3 samples in a row   | say, by the parity | another wrong one is not noticed; all
- * offset, drifting or  | (with noise up to 0.000155 m),    | relation           | axes go on
- * jumping              | and one has by far the largest    |                    |
- *                      | innovation or alone a code that   |                    |
+ * and y4 frozen,       | 4.8e-05 m in 3 samples in a row,  | say, by the parity | another wrong one is not noticed; all
+ * offset, drifting or  | and one has by far the largest    | relation           | axes go on
+ * jumping              | innovation or alone a code that   |                    |
  *                      | stands still (3 or 8 samples):    |                    |
  *                      | excluded until init               |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
@@ -98,7 +96,7 @@
  *                      | still for 3 samples or more while | its observer       | stay
  *                      | its prediction, which agreed with |                    |
  *                      | its last 10 changes, moves by     |                    |
- *                      | more than 8.2e-05 m; or no answer |                    |
+ *                      | more than 4e-05 m; or no answer   |                    |
  *                      | to the probe; only inside -0.0499 |                    |
  *                      | .. 0.0499 m; excluded until init  |                    |
  * ---------------------+-----------------------------------+--------------------+--------------------------------------
@@ -163,24 +161,14 @@
  * The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its
  * stop at 31 mm.
  *
- * A set-point nearer to a stop than 50 um at a motor is out of range. On the stop the error of an encoder's zero, or
- * one of 0.1 % of its scale, would not vanish, and the internal model would push the platen into the stop until the
- * currents are at their limit.
- *
- * The encoders may have white noise of 10 um rms each: the threshold of the gap encoders, 48 um, then rises to 155 um,
- * from which it also begins after init. Errors of scale that the gap encoders share cancel; those in which they differ
- * count as offsets, of which they may have 7 um each.
+ * A set-point nearer to a stop than 20 um at a motor is out of range. On the stop the error of an encoder's zero would
+ * not vanish, and the internal model would push the platen into the stop until the currents are at their limit.
  *
  * A frozen or jumping reading of x or z is noticed only inside +-49.9 mm: farther out, where a stop may hold the
  * platen, these tests are off. After missed calls, and while the platen accelerates otherwise than predicted, until the
- * prediction agrees with ten changes of the code (20 after missed calls), they notice only a distance between both
- * growing by more than 0.2 mm (frozen) or 0.5 mm (a jump), and one of more than 0.3 mm, this not after missed calls. A
- * platen that rests is pushed there and back by the probe after each 40 samples without a change of the code of x or z.
- *
- * Check scale and direction of the encoders of x and z before the first flight. One that counts 10 % too little is
- * never noticed: in the 4-DOF tracking the platen was up to 9.2 mm off. One that counts half was noticed at the end of
- * travel, met at up to 0.67 m/s. One that counts backwards is noticed within 0.27 s, and the platen met the end of
- * travel at up to 0.12 m/s, or 0.38 m/s from a tilt at a gap of 18.5 mm (17 plants, of the first two faults 2).
+ * prediction agrees with ten changes of the code, they notice only a distance between both growing by more than 0.2 mm
+ * (frozen) or 0.5 mm (a jump). A platen that rests is pushed there and back by the probe after each 40 samples without
+ * a change of the code of x or z.
  *
  * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
  * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
@@ -274,9 +262,6 @@ typedef struct {
     float code_y4;                      /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
     uint32_t still_y4;                  /* 1, 0 .. 8: samples without a change */
     uint32_t excluded_y4;               /* 1, 0 .. 1: wrong until init */
-    float last_residual_0;              /* m, -0.039996 .. 0.039996: of the parity relation one sample ago */
-    /* m, 4.7952e-05 .. 0.000155178: largest |residual| without a fault, by its noise */
-    float threshold_0;
     uint32_t contradictions_0;          /* 1, 0 .. 10: samples in a row */
     uint32_t stuck_0;                   /* 1, 0 .. 1: the excluded sensor stood still */
     uint32_t undecided_0;               /* 1, 0 .. 1: which sensor is wrong is not known */
@@ -287,7 +272,7 @@ typedef struct {
     float code;                         /* m, -0.1 .. 0.1: accepted reading one sample ago */
     uint32_t still;                     /* 1, 0 .. 40: samples without a change */
     uint32_t excluded;                  /* 1, 0 .. 1: wrong until init */
-    uint32_t doubts;                    /* 1, 0 .. 20: changes until its prediction is believed */
+    uint32_t doubts;                    /* 1, 0 .. 10: changes until its prediction is believed */
     float before;                       /* m, -0.1 .. 0.1: prediction at the last change */
     uint32_t jumps;                     /* 1, 0 .. 2: samples in a row far from its prediction */
 } maglev_5dof_monitor_state_t;
@@ -299,11 +284,11 @@ typedef struct {
     float last_y4;                      /* m, 0.0124 .. 0.0366: last good value */
     float last_x;                       /* m, -0.1 .. 0.1: last good value */
     float last_z;                       /* m, -0.1 .. 0.1: last good value */
-    float last_y_ref;                   /* m, 0.01805 .. 0.03095: last good value */
-    float last_x_ref;                   /* m, -0.04995 .. 0.04995: last good value */
-    float last_z_ref;                   /* m, -0.04995 .. 0.04995: last good value */
-    float last_phi_ref;                 /* rad, -0.00287406 .. 0.00287406: last good value */
-    float last_theta_ref;               /* rad, -0.0138741 .. 0.0138741: last good value */
+    float last_y_ref;                   /* m, 0.01802 .. 0.03098: last good value */
+    float last_x_ref;                   /* m, -0.04998 .. 0.04998: last good value */
+    float last_z_ref;                   /* m, -0.04998 .. 0.04998: last good value */
+    float last_phi_ref;                 /* rad, -0.00294962 .. 0.00294962: last good value */
+    float last_theta_ref;               /* rad, -0.0139496 .. 0.0139496: last good value */
     /* 1, 1 .. 20: samples with a bad measurement until it latches, in 1/4 of a sample */
     uint32_t left;
     uint32_t latched;                   /* 1, 0 .. 1: latched until init */
@@ -317,11 +302,11 @@ typedef struct {
     float y4;                           /* m, 0.0124 .. 0.0366: gap of motor 4 */
     float x;                            /* m, -0.1 .. 0.1: platen along X */
     float z;                            /* m, -0.1 .. 0.1: platen along Z */
-    float y_ref;                        /* m, 0.01805 .. 0.03095: set-point of the gap */
-    float x_ref;                        /* m, -0.04995 .. 0.04995: set-point along X */
-    float z_ref;                        /* m, -0.04995 .. 0.04995: set-point along Z */
-    float phi_ref;                      /* rad, -0.00287406 .. 0.00287406: set-point of the rotation about X */
-    float theta_ref;                    /* rad, -0.0138741 .. 0.0138741: set-point of the rotation about Z */
+    float y_ref;                        /* m, 0.01802 .. 0.03098: set-point of the gap */
+    float x_ref;                        /* m, -0.04998 .. 0.04998: set-point along X */
+    float z_ref;                        /* m, -0.04998 .. 0.04998: set-point along Z */
+    float phi_ref;                      /* rad, -0.00294962 .. 0.00294962: set-point of the rotation about X */
+    float theta_ref;                    /* rad, -0.0139496 .. 0.0139496: set-point of the rotation about Z */
     float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if none */
 } maglev_5dof_input_t;
 
@@ -379,11 +364,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 48u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 484u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 476u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_48[(sizeof(maglev_5dof_input_t) == 48u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_484[(sizeof(maglev_5dof_state_t) == 484u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_476[(sizeof(maglev_5dof_state_t) == 476u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -442,10 +427,8 @@ typedef struct {
     float sufficient;                   /* 1: it can be controlled */
     float x_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
     float x_unchanged;                  /* 1: samples without a change of the code */
-    float x_diverges;                   /* 1: its prediction has left it gradually, so the rate is unknown, too */
     float z_frozen;                     /* 1: its code stands still although it ought to move, or it is excluded */
     float z_unchanged;                  /* 1: samples without a change of the code */
-    float z_diverges;                   /* 1: its prediction has left it gradually, so the rate is unknown, too */
     float y1_held;                      /* m: gap of motor 1 */
     float y2_held;                      /* m: gap of motor 2 */
     float y3_held;                      /* m: gap of motor 3 */

@@ -175,8 +175,6 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_guard_output_t maglev_5dof_precis
 }
 
 typedef struct {
-    float value;
-    float residual_0;
     uint32_t still_y1_next;
     uint32_t still_y2_next;
     uint32_t still_y3_next;
@@ -203,19 +201,14 @@ typedef struct {
  *     excluded_y1_next = excluded_y1 if calm, else ((excluded_y1 if agrees, else left_out_now_y1) if
  *         whole, else excluded_y1 and not readmitted_y1); likewise excluded_y2_next, excluded_y3_next,
  *         excluded_y4_next
- *     last_residual_0_next = residual_0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual,
- *         else last_residual_0
- *     threshold_0_next = min(kept_part * threshold_0 + quiet_part_0 + learnt_part_0 * sqrt(change^2 +
- *         smooth_squared), largest_0) if calm, else threshold_0
  *     contradictions_0_next = 0 if calm, else ((0 if agrees, else (contradictions_0 if most_contradictions
  *         <= contradictions_0, else contradictions_0 + 1)) if whole, else 0) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_redundancy_output_t maglev_5dof_precise_redundancy_output(const
-    maglev_5dof_precise_redundancy_state_t *state, float y1_accepted, float y2_accepted, float y3_accepted,
-    float y4_accepted, uint32_t ready, bool complete, maglev_5dof_precise_diagnostics_t *diagnostics)
+    maglev_5dof_precise_redundancy_state_t *state, uint32_t ready, bool complete, float y1_accepted, float y2_accepted,
+    float y3_accepted, float y4_accepted, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
 
-    const float value = y1_accepted - y2_accepted + y3_accepted;
     const uint32_t degraded = state->degraded;
     const bool same_y1 = maglev_5dof_precise_equal(y1_accepted, state->code_y1);
     uint32_t still_y1_next = 0u;
@@ -244,173 +237,122 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_redundancy_output_t maglev_5dof_p
     if (diagnostics != NULL) {
         diagnostics->sound = ((ready != 0u) && complete && (degraded == 0u)) ? 1.0f : 0.0f;
     }
-    return (maglev_5dof_precise_redundancy_output_t){.value = value, .residual_0 = value - y4_accepted,
-        .still_y1_next = still_y1_next, .still_y2_next = still_y2_next, .still_y3_next = still_y3_next,
-        .still_y4_next = still_y4_next, .sound = (ready != 0u) && complete && (degraded == 0u), .same_y1 = same_y1,
-        .same_y2 = same_y2, .same_y3 = same_y3, .same_y4 = same_y4};
+    return (maglev_5dof_precise_redundancy_output_t){.still_y1_next = still_y1_next, .still_y2_next = still_y2_next,
+        .still_y3_next = still_y3_next, .still_y4_next = still_y4_next, .sound = (ready != 0u) && complete &&
+        (degraded == 0u), .same_y1 = same_y1, .same_y2 = same_y2, .same_y3 = same_y3, .same_y4 = same_y4};
 }
 
 typedef struct {
     float before_next;
-    float x_held;
-    uint32_t x_unchanged;
-    uint32_t x_suspect;
-    uint32_t value_2;
+    float held;
+    uint32_t unchanged;
+    uint32_t suspect;
+    uint32_t value;
     bool above_gate;
-    bool in_time;
     bool same;
     bool jumping;
-    bool x_usual;
-    bool value;
-    bool x_trusted;
+    bool usual;
+    bool trusted;
     bool far;
-    bool sudden;
     bool believed;
-} maglev_5dof_precise_x_monitor_output_t;
+} maglev_5dof_precise_monitor_output_t;
 
-/* x_monitor: frozen codes, jumps of the innovation
+/* x_monitor, z_monitor: frozen codes, jumps of the innovation
  *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
-MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_x_monitor_output_t maglev_5dof_precise_x_monitor_output(const
-    maglev_5dof_precise_monitor_state_t *state, float x_expected, float x_accepted, bool judging, bool counted,
-    uint32_t ready, bool x_unanswered, bool sound, bool good_x, maglev_5dof_precise_diagnostics_t *diagnostics)
+MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_output_t
+    maglev_5dof_precise_monitor_output(const maglev_5dof_precise_monitor_state_t *state, float expected, float accepted,
+    bool in_time, uint32_t ready, bool unanswered, bool sound, bool good)
 {
-    static const float gate = 4e-05f;                           /* m; an agreeing prediction is nearer */
+    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
     static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
     /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that changes */
     static const float wide_jump = 0.0005f;
-    /* m; from the prediction: no sound reading is farther, but after missing calls */
-    static const float away = 0.0003f;
-    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
     static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
-    static const float frozen_gate = 8.2e-05f; /* m; predicted motion in which a working code changes */
     /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that stands still */
     static const float wide_frozen = 0.0002f;
 
-    const float distance = fabsf(x_expected - x_accepted);
+    const float distance = fabsf(expected - accepted);
     const bool above_gate = gate < distance;
-    const bool in_time = judging && counted;
     const float code = state->code;
-    const bool same = maglev_5dof_precise_equal(x_accepted, code);
+    const bool same = maglev_5dof_precise_equal(accepted, code);
     const float before = state->before;
     const uint32_t doubts = state->doubts;
     const bool doubts_below_1 = doubts < 1u;
     bool jumping = false;
     bool strayed = false;
     bool far = false;
-    bool sudden = false;
     bool believed = false;
     if (above_gate) {
         const bool above_jump = jump < distance;
         if (above_jump) {
             const uint32_t jumps = state->jumps;
             const float growth = distance - fabsf(code - before);
-            const bool jumping_if_above_jump = doubts_below_1 || (wide_jump < growth);
-            const bool jumping_if_above_jump_2 = (jumping_if_above_jump ||
-                ((away < distance) && (doubts <= doubted_changes))) && in_time && (-travel < x_expected) &&
-                (x_expected < travel) && (-travel < code) && (code < travel);
-            jumping = (1u <= jumps) || (jumping_if_above_jump_2 && !same);
+            const bool jumping_if_above_jump = (doubts_below_1 || (wide_jump < growth)) && in_time &&
+                (-travel < expected) && (expected < travel) && (-travel < code) && (code < travel);
+            jumping = (1u <= jumps) || (jumping_if_above_jump && !same);
             strayed = wide_frozen < growth;
-            sudden = jumping_if_above_jump;
-            believed = jumping_if_above_jump_2;
+            believed = jumping_if_above_jump;
         }
         far = above_jump;
     }
-    uint32_t x_unchanged = 0u;
+    uint32_t unchanged = 0u;
     float before_next_if_ready = before;
     if (same) {
         const uint32_t still = state->still;
-        x_unchanged = (most_unchanged <= still) ? still : (still + 1u);
+        unchanged = (most_unchanged <= still) ? still : (still + 1u);
     } else {
-        before_next_if_ready = x_expected;
+        before_next_if_ready = expected;
     }
-    const float before_next = (ready != 0u) ? before_next_if_ready : x_accepted;
-    const uint32_t excluded = state->excluded;
-    const bool value = excluded == 0u;
-    bool x_usual = false;
-    uint32_t x_suspect = 1u;
-    bool x_trusted = false;
-    float x_held = x_expected;
-    uint32_t value_2 = 0u;
+    const float before_next = (ready != 0u) ? before_next_if_ready : accepted;
+    bool usual = false;
+    uint32_t suspect = 1u;
+    bool trusted = false;
+    float held = expected;
+    uint32_t value = 0u;
     if (!jumping) {
-        const bool usable = good_x && value;
+        const uint32_t excluded = state->excluded;
+        const bool usable = good && (excluded == 0u);
         const uint32_t stopped = (usable) ? 1u : excluded;
-        if ((repeated_samples <= x_unchanged) && (-travel < x_accepted) && (x_accepted < travel) && (((frozen_gate <
-                fabsf(x_expected - before_next)) && doubts_below_1) || strayed || x_unanswered) && (ready != 0u)) {
-            x_suspect = stopped;
-            value_2 = stopped;
+        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
+                fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
+            suspect = stopped;
+            value = stopped;
         } else {
-            x_usual = sound;
+            usual = sound;
             if (sound) {
-                x_suspect = 0u;
-                value_2 = 0u;
-                x_trusted = true;
-                x_held = x_accepted;
+                suspect = 0u;
+                value = 0u;
+                trusted = true;
+                held = accepted;
             } else {
-                x_suspect = excluded;
-                value_2 = excluded;
-                x_trusted = usable;
-                x_held = (usable) ? x_accepted : x_expected;
+                suspect = excluded;
+                value = excluded;
+                trusted = usable;
+                held = (usable) ? accepted : expected;
             }
         }
     }
-    if (diagnostics != NULL) {
-        diagnostics->x_unchanged = (float)x_unchanged;
-        diagnostics->x_usual = x_usual ? 1.0f : 0.0f;
-        diagnostics->x_suspect = (float)x_suspect;
-        diagnostics->x_trusted = x_trusted ? 1.0f : 0.0f;
-    }
-    return (maglev_5dof_precise_x_monitor_output_t){.before_next = before_next, .x_held = x_held,
-        .x_unchanged = x_unchanged, .x_suspect = x_suspect, .value_2 = value_2, .above_gate = above_gate,
-        .in_time = in_time, .same = same, .jumping = jumping, .x_usual = x_usual, .value = value,
-        .x_trusted = x_trusted, .far = far, .sudden = sudden, .believed = believed};
+    return (maglev_5dof_precise_monitor_output_t){.before_next = before_next, .held = held, .unchanged = unchanged,
+        .suspect = suspect, .value = value, .above_gate = above_gate, .same = same, .jumping = jumping, .usual = usual,
+        .trusted = trusted, .far = far, .believed = believed};
 }
 
-typedef struct {
-    uint32_t frozen;
-    bool diverges;
-} maglev_5dof_precise_monitor_update_t;
-
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation */
-MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_monitor_update_t
-    maglev_5dof_precise_monitor_update(maglev_5dof_precise_monitor_state_t *state, uint32_t ready, bool jumping,
-    uint32_t x_frozen_choice, bool above_gate, bool far, bool sudden, bool x_suspect_test, float accepted,
-    uint32_t unchanged, bool counted, bool same, bool believed, float before_next)
+MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_monitor_update(maglev_5dof_precise_monitor_state_t *state,
+    bool jumping, uint32_t x_frozen_choice, float accepted, uint32_t unchanged, bool above_gate, bool far, bool same,
+    bool believed, float before_next)
 {
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
     static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
-    static const uint32_t doubted_after_missed_calls = 20u;     /* 1; of these the first half for its distance */
 
     state->code = accepted;
     state->still = unchanged;
-    const uint32_t doubts = state->doubts;
-    bool gradual = false;
-    if (above_gate) {
-        const bool stays = same || (doubted_changes < doubts);
-        uint32_t doubts_if_counted;
-        if (far) {
-            gradual = !sudden;
-            doubts_if_counted = (stays || believed) ? doubts : doubted_changes;
-        } else {
-            doubts_if_counted = (stays) ? doubts : doubted_changes;
-        }
-        state->doubts = (counted) ? doubts_if_counted : doubted_after_missed_calls;
-    } else {
-        if (!same) {
-            if (1u <= doubts) {
-                state->doubts = doubts - 1u;
-            } else {
-                state->doubts = 0u;
-            }
-        }
-    }
-    uint32_t frozen_if_ready = x_frozen_choice;
-    bool diverges_if_ready = false;
+    uint32_t frozen = x_frozen_choice;
     if (jumping) {
-        frozen_if_ready = state->excluded;
+        frozen = state->excluded;
         const uint32_t jumps = state->jumps;
-        diverges_if_ready = gradual && (jumps < 1u) && x_suspect_test;
         if (excluded_from <= jumps) {
             state->excluded = 1u;
             state->jumps = 0u;
@@ -421,9 +363,24 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_monitor_update_t
         state->excluded = x_frozen_choice;
         state->jumps = 0u;
     }
+    const uint32_t doubts = state->doubts;
+    uint32_t doubts_if_not_far = doubts;
+    uint32_t agreeing = doubts;
+    if (!same) {
+        doubts_if_not_far = doubted_changes;
+        if (1u <= doubts) {
+            agreeing = doubts - 1u;
+        } else {
+            agreeing = 0u;
+        }
+    }
+    if (above_gate) {
+        state->doubts = (far) ? ((same || believed) ? doubts : doubted_changes) : doubts_if_not_far;
+    } else {
+        state->doubts = agreeing;
+    }
     state->before = before_next;
-    return (maglev_5dof_precise_monitor_update_t){.frozen = (ready != 0u) ? frozen_if_ready : 0u,
-        .diverges = (ready != 0u) && diverges_if_ready};
+    return frozen;
 }
 
 typedef struct {
@@ -439,8 +396,8 @@ typedef struct {
  *     x_disturbance = (limit(d + gamma * nu, largest_disturbance) if x_trusted is set, else 0) if
  *         guard_ready is set, else 0
  *     x_estimate = q + alpha * nu if guard_ready is set, else x_held
- *     x_rate = (v + beta * nu if x_trusted is set, else (0 if x_diverges is set, else v - (beta / gamma *
- *         (d - d_at_change) + T * gained if x_frozen is set, else 0))) if guard_ready is set, else 0
+ *     x_rate = (v + beta * nu if x_trusted is set, else v - (beta / gamma * (d - d_at_change) + T * gained
+ *         if x_frozen is set, else 0)) if guard_ready is set, else 0
  *     q_next = limit(x_estimate + half_T * (x_rate + rate_ahead), largest_position)
  *     v_next = limit(rate_ahead, largest_rate)
  *     gained_next = gained_decay * gained + x_disturbance - d_at_change if same, else 0
@@ -448,7 +405,7 @@ typedef struct {
  *         if x_trusted is set, else 0) if guard_ready is set, else 0), largest_gain), least_gain) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     maglev_5dof_precise_observer(maglev_5dof_precise_observer_2_state_t *state, uint32_t ready, bool trusted,
-    float held, bool diverges, uint32_t frozen, float a_before, uint32_t unchanged)
+    float held, uint32_t frozen, float a_before, uint32_t unchanged)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
@@ -480,13 +437,11 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
             rate = v + (beta * nu);
             g_change = learning_step * (a_before * d_if_trusted);
         } else {
-            if (!diverges) {
-                float taken_back = 0.0f;
-                if (frozen != 0u) {
-                    taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
-                }
-                rate = v - taken_back;
+            float taken_back = 0.0f;
+            if (frozen != 0u) {
+                taken_back = (beta / gamma * (d - d_at_change)) + (T * gained);
             }
+            rate = v - taken_back;
         }
         estimate = q + (alpha * nu);
     }
@@ -503,120 +458,6 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     }
     state->g = maglev_5dof_precise_max(maglev_5dof_precise_min(g + g_change, largest_gain), least_gain);
     return (maglev_5dof_precise_observer_t){.disturbance = d_next, .estimate = estimate, .rate = rate};
-}
-
-typedef struct {
-    float before_next;
-    float z_held;
-    uint32_t z_unchanged;
-    uint32_t z_suspect;
-    uint32_t value_2;
-    bool above_gate;
-    bool same;
-    bool jumping;
-    bool z_usual;
-    bool value;
-    bool z_trusted;
-    bool far;
-    bool sudden;
-    bool believed;
-} maglev_5dof_precise_z_monitor_output_t;
-
-/* z_monitor: frozen codes, jumps of the innovation */
-MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_z_monitor_output_t maglev_5dof_precise_z_monitor_output(const
-    maglev_5dof_precise_monitor_state_t *state, float z_expected, float z_accepted, bool in_time, uint32_t ready,
-    bool z_unanswered, bool sound, bool good_z, maglev_5dof_precise_diagnostics_t *diagnostics)
-{
-    static const float gate = 4e-05f;                           /* m; an agreeing prediction is nearer */
-    static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
-    /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that changes */
-    static const float wide_jump = 0.0005f;
-    /* m; from the prediction: no sound reading is farther, but after missing calls */
-    static const float away = 0.0003f;
-    static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
-    static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
-    static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
-    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
-    static const float frozen_gate = 8.2e-05f; /* m; predicted motion in which a working code changes */
-    /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that stands still */
-    static const float wide_frozen = 0.0002f;
-
-    const float distance = fabsf(z_expected - z_accepted);
-    const bool above_gate = gate < distance;
-    const float code = state->code;
-    const bool same = maglev_5dof_precise_equal(z_accepted, code);
-    const float before = state->before;
-    const uint32_t doubts = state->doubts;
-    const bool doubts_below_1 = doubts < 1u;
-    bool jumping = false;
-    bool strayed = false;
-    bool far = false;
-    bool sudden = false;
-    bool believed = false;
-    if (above_gate) {
-        const bool above_jump = jump < distance;
-        if (above_jump) {
-            const uint32_t jumps = state->jumps;
-            const float growth = distance - fabsf(code - before);
-            const bool jumping_if_above_jump = doubts_below_1 || (wide_jump < growth);
-            const bool jumping_if_above_jump_2 = (jumping_if_above_jump ||
-                ((away < distance) && (doubts <= doubted_changes))) && in_time && (-travel < z_expected) &&
-                (z_expected < travel) && (-travel < code) && (code < travel);
-            jumping = (1u <= jumps) || (jumping_if_above_jump_2 && !same);
-            strayed = wide_frozen < growth;
-            sudden = jumping_if_above_jump;
-            believed = jumping_if_above_jump_2;
-        }
-        far = above_jump;
-    }
-    uint32_t z_unchanged = 0u;
-    float before_next_if_ready = before;
-    if (same) {
-        const uint32_t still = state->still;
-        z_unchanged = (most_unchanged <= still) ? still : (still + 1u);
-    } else {
-        before_next_if_ready = z_expected;
-    }
-    const float before_next = (ready != 0u) ? before_next_if_ready : z_accepted;
-    const uint32_t excluded = state->excluded;
-    const bool value = excluded == 0u;
-    bool z_usual = false;
-    uint32_t z_suspect = 1u;
-    bool z_trusted = false;
-    float z_held = z_expected;
-    uint32_t value_2 = 0u;
-    if (!jumping) {
-        const bool usable = good_z && value;
-        const uint32_t stopped = (usable) ? 1u : excluded;
-        if ((repeated_samples <= z_unchanged) && (-travel < z_accepted) && (z_accepted < travel) && (((frozen_gate <
-                fabsf(z_expected - before_next)) && doubts_below_1) || strayed || z_unanswered) && (ready != 0u)) {
-            z_suspect = stopped;
-            value_2 = stopped;
-        } else {
-            z_usual = sound;
-            if (sound) {
-                z_suspect = 0u;
-                value_2 = 0u;
-                z_trusted = true;
-                z_held = z_accepted;
-            } else {
-                z_suspect = excluded;
-                value_2 = excluded;
-                z_trusted = usable;
-                z_held = (usable) ? z_accepted : z_expected;
-            }
-        }
-    }
-    if (diagnostics != NULL) {
-        diagnostics->z_unchanged = (float)z_unchanged;
-        diagnostics->z_usual = z_usual ? 1.0f : 0.0f;
-        diagnostics->z_suspect = (float)z_suspect;
-        diagnostics->z_trusted = z_trusted ? 1.0f : 0.0f;
-    }
-    return (maglev_5dof_precise_z_monitor_output_t){.before_next = before_next, .z_held = z_held,
-        .z_unchanged = z_unchanged, .z_suspect = z_suspect, .value_2 = value_2, .above_gate = above_gate, .same = same,
-        .jumping = jumping, .z_usual = z_usual, .value = value, .z_trusted = z_trusted, .far = far, .sudden = sudden,
-        .believed = believed};
 }
 
 typedef struct {
@@ -651,13 +492,15 @@ typedef struct {
 } maglev_5dof_precise_redundancy_output_2_t;
 
 /* redundancy: parity, innovations, frozen codes */
-MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t maglev_5dof_precise_redundancy_output_2(const
-    maglev_5dof_precise_redundancy_state_t *state, float residual_0, float y1_accepted, float y1_expected,
-    float y2_accepted, float y2_expected, float y3_accepted, float y3_expected, float y4_accepted, float y4_expected,
-    uint32_t still_y1_next, uint32_t still_y2_next, uint32_t still_y3_next, uint32_t still_y4_next, bool sound,
-    bool x_usual, bool z_usual, uint32_t complete_part, uint32_t ready, bool same_y1, bool same_y2, bool same_y3,
-    bool same_y4, float residual_0_sum, maglev_5dof_precise_diagnostics_t *diagnostics)
+MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
+    maglev_5dof_precise_redundancy_output_2(const maglev_5dof_precise_redundancy_state_t *state, float y1_accepted,
+    float y2_accepted, float y3_accepted, float y4_accepted, float y1_expected, float y2_expected, float y3_expected,
+    float y4_expected, uint32_t still_y1_next, uint32_t still_y2_next, uint32_t still_y3_next, uint32_t still_y4_next,
+    bool sound, bool x_usual, bool z_usual, uint32_t complete_part, uint32_t ready, bool same_y1, bool same_y2,
+    bool same_y3, bool same_y4, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
+    /* m; largest |r| without a fault: half a count and an offset of each sensor */
+    static const float threshold_0 = 4.8e-05f;
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
     /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
     static const float candidate_part = 0.4f;
@@ -675,8 +518,10 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t maglev_5dof_
     static const float highest_y2_y4 = 0.0366f;                 /* m; end of its range */
     static const float lowest_y2_y4 = 0.0124f;                  /* m; end of its range */
 
+    const float residual_0_sum = y1_accepted - y2_accepted + y3_accepted;
+    const float residual_0 = residual_0_sum - y4_accepted;
     const float size = fabsf(residual_0);
-    const bool agreement = size <= state->threshold_0;
+    const bool agreement = size <= threshold_0;
     const bool calm = sound && agreement && x_usual && z_usual;
     bool suspect_y1 = false;
     bool suspect_y2 = false;
@@ -894,19 +739,13 @@ typedef struct {
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
     maglev_5dof_precise_redundancy_update(maglev_5dof_precise_redundancy_state_t *state, bool calm, bool z_trusted,
     bool x_trusted, bool whole, bool agrees, bool agreeing, uint32_t waited, bool regular_choice, uint32_t doubted,
-    float y1_accepted, uint32_t still_y1_next, bool isolated_y1, bool readmitted_y1, float y2_accepted,
-    uint32_t still_y2_next, bool isolated_y2, bool readmitted_y2, float y3_accepted, uint32_t still_y3_next,
-    bool isolated_y3, bool readmitted_y3, float y4_accepted, uint32_t still_y4_next, bool isolated_y4,
-    bool readmitted_y4, float residual_0, bool repeats_y1, bool repeats_y2, bool repeats_y3, bool repeats_y4,
-    uint32_t z_suspect, uint32_t x_suspect, bool suspect_y4, bool suspect_y3, bool suspect_y2, bool suspect_y1,
-    maglev_5dof_precise_diagnostics_t *diagnostics)
+    float y1_accepted, uint32_t still_y1_next, bool isolated_y1, bool readmitted_y1, float y2_accepted, uint32_t
+    still_y2_next, bool isolated_y2, bool readmitted_y2, float y3_accepted, uint32_t still_y3_next, bool isolated_y3,
+    bool readmitted_y3, float y4_accepted, uint32_t still_y4_next, bool isolated_y4, bool readmitted_y4,
+    bool repeats_y1, bool repeats_y2, bool repeats_y3, bool repeats_y4, uint32_t z_suspect, uint32_t x_suspect,
+    bool suspect_y4, bool suspect_y3, bool suspect_y2, bool suspect_y1, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
-    static const float kept_part = 0.99609375f;                 /* 1; of the threshold, in a sample */
-    static const float quiet_part_0 = 1.875e-07f;               /* m; of the threshold without noise, in a sample */
-    static const float learnt_part_0 = 0.017823689f;            /* 1; of the change of r, learnt in a sample */
-    static const float smooth_squared = 1e-14f; /* m^2; of a change of r: it has no kink where nothing moves */
-    static const float largest_0 = 0.00015517752f;              /* m; threshold at the largest noise */
     static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
 
     state->code_y1 = y1_accepted;
@@ -914,11 +753,6 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
     bool regular = true;
     bool theta_measured = true;
     if (calm) {
-        const float last_residual_0 = state->last_residual_0;
-        state->last_residual_0 = residual_0;
-        const float change = residual_0 - last_residual_0;
-        state->threshold_0 = maglev_5dof_precise_min((kept_part * state->threshold_0) +
-            (quiet_part_0 + (learnt_part_0 * sqrtf((change * change) + smooth_squared))), largest_0);
         state->contradictions_0 = 0u;
     } else {
         const uint32_t excluded_y1 = state->excluded_y1;
@@ -1943,15 +1777,15 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_input_t maglev_5dof_precise_guard
     accepted.y4 = maglev_5dof_precise_hold(in->y4, 0.0124f, 0.0366f, &state->guard.last_y4, 0x00000008u, faults);
     accepted.x = maglev_5dof_precise_hold_within(in->x, 0.1f, &state->guard.last_x, 0x00000010u, faults);
     accepted.z = maglev_5dof_precise_hold_within(in->z, 0.1f, &state->guard.last_z, 0x00000020u, faults);
-    accepted.y_ref = maglev_5dof_precise_hold(in->y_ref, 0.01805f, 0.03095f, &state->guard.last_y_ref, 0x00000040u,
+    accepted.y_ref = maglev_5dof_precise_hold(in->y_ref, 0.01802f, 0.03098f, &state->guard.last_y_ref, 0x00000040u,
         faults);
-    accepted.x_ref = maglev_5dof_precise_hold_within(in->x_ref, 0.04995f, &state->guard.last_x_ref, 0x00000080u,
+    accepted.x_ref = maglev_5dof_precise_hold_within(in->x_ref, 0.04998f, &state->guard.last_x_ref, 0x00000080u,
         faults);
-    accepted.z_ref = maglev_5dof_precise_hold_within(in->z_ref, 0.04995f, &state->guard.last_z_ref, 0x00000100u,
+    accepted.z_ref = maglev_5dof_precise_hold_within(in->z_ref, 0.04998f, &state->guard.last_z_ref, 0x00000100u,
         faults);
-    accepted.phi_ref = maglev_5dof_precise_hold_within(in->phi_ref, 0.0028740554f, &state->guard.last_phi_ref,
+    accepted.phi_ref = maglev_5dof_precise_hold_within(in->phi_ref, 0.0029496222f, &state->guard.last_phi_ref,
         0x00000200u, faults);
-    accepted.theta_ref = maglev_5dof_precise_hold_within(in->theta_ref, 0.013874056f, &state->guard.last_theta_ref,
+    accepted.theta_ref = maglev_5dof_precise_hold_within(in->theta_ref, 0.013949622f, &state->guard.last_theta_ref,
         0x00000400u, faults);
     return accepted;
 }
@@ -1960,14 +1794,13 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
 {
     /* A member that is not named is 0. */
     *state = (maglev_5dof_precise_state_t){
-        .guard = {.last_y1 = 0.031f, .last_y2 = 0.031f, .last_y3 = 0.031f, .last_y4 = 0.031f, .last_y_ref = 0.03095f,
+        .guard = {.last_y1 = 0.031f, .last_y2 = 0.031f, .last_y3 = 0.031f, .last_y4 = 0.031f, .last_y_ref = 0.03098f,
             .left = 20u},
         .x_monitor = {.doubts = 10u},
         .z_monitor = {.doubts = 10u},
-        .redundancy = {.code_y1 = 0.0245f, .code_y2 = 0.0245f, .code_y3 = 0.0245f, .code_y4 = 0.0245f,
-            .threshold_0 = 0.00015517752f},
+        .redundancy = {.code_y1 = 0.0245f, .code_y2 = 0.0245f, .code_y3 = 0.0245f, .code_y4 = 0.0245f},
         .observer_y_fast = {.q = 0.0245f},
-        .servo_y_fast = {.r = 0.01805f},
+        .servo_y_fast = {.r = 0.01802f},
         .observer_y = {.q = 0.0245f},
         .observer_x = {.g = 1.0f},
         .observer_z = {.g = 1.0f},
@@ -2030,46 +1863,44 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
     const maglev_5dof_precise_guard_output_t guard_output = maglev_5dof_precise_guard_output(&state->guard,
         guard_latched, missed_calls);
     const maglev_5dof_precise_redundancy_output_t redundancy_output =
-        maglev_5dof_precise_redundancy_output(&state->redundancy, accepted.y1, accepted.y2, accepted.y3, accepted.y4,
-        guard_ready, complete, diagnostics);
+        maglev_5dof_precise_redundancy_output(&state->redundancy, guard_ready, complete, accepted.y1, accepted.y2,
+        accepted.y3, accepted.y4, diagnostics);
     const uint32_t probe_x_attempt = state->probe_x.attempt;
     const bool x_unanswered = most_attempts <= probe_x_attempt;
-    const bool counted = fabsf(missed_calls) <= 0.0f;
-    const maglev_5dof_precise_x_monitor_output_t x_monitor_output =
-        maglev_5dof_precise_x_monitor_output(&state->x_monitor, state->observer_x.q, accepted.x, guard_output.judging,
-        counted, guard_ready, x_unanswered, redundancy_output.sound, (faults & 0x00000010u) == 0u, diagnostics);
+    const bool in_time = guard_output.judging && (fabsf(missed_calls) <= 0.0f);
+    const maglev_5dof_precise_monitor_output_t x_monitor_output = maglev_5dof_precise_monitor_output(&state->x_monitor,
+        state->observer_x.q, accepted.x, in_time, guard_ready, x_unanswered, redundancy_output.sound,
+        (faults & 0x00000010u) == 0u);
     const float observer_y_q = state->observer_y.q;
     const maglev_5dof_precise_gap_prediction_t gap_prediction = maglev_5dof_precise_gap_prediction(observer_y_q,
         state->observer_phi.q, state->observer_theta.q, diagnostics);
     const uint32_t probe_z_attempt = state->probe_z.attempt;
     const bool z_unanswered = most_attempts <= probe_z_attempt;
-    const maglev_5dof_precise_z_monitor_output_t z_monitor_output =
-        maglev_5dof_precise_z_monitor_output(&state->z_monitor, state->observer_z.q, accepted.z,
-        x_monitor_output.in_time, guard_ready, z_unanswered, redundancy_output.sound, (faults & 0x00000020u) == 0u,
-        diagnostics);
+    const maglev_5dof_precise_monitor_output_t z_monitor_output = maglev_5dof_precise_monitor_output(&state->z_monitor,
+        state->observer_z.q, accepted.z, in_time, guard_ready, z_unanswered, redundancy_output.sound,
+        (faults & 0x00000020u) == 0u);
     const maglev_5dof_precise_redundancy_output_2_t redundancy_output_2 =
-        maglev_5dof_precise_redundancy_output_2(&state->redundancy, redundancy_output.residual_0, accepted.y1,
-        gap_prediction.y1_expected, accepted.y2, gap_prediction.y2_expected, accepted.y3, gap_prediction.y3_expected,
-        accepted.y4, gap_prediction.y4_expected, redundancy_output.still_y1_next, redundancy_output.still_y2_next,
-        redundancy_output.still_y3_next, redundancy_output.still_y4_next, redundancy_output.sound,
-        x_monitor_output.x_usual, z_monitor_output.z_usual, faults, guard_ready, redundancy_output.same_y1,
-        redundancy_output.same_y2, redundancy_output.same_y3, redundancy_output.same_y4, redundancy_output.value,
-        diagnostics);
+        maglev_5dof_precise_redundancy_output_2(&state->redundancy, accepted.y1, accepted.y2, accepted.y3, accepted.y4,
+        gap_prediction.y1_expected, gap_prediction.y2_expected, gap_prediction.y3_expected, gap_prediction.y4_expected,
+        redundancy_output.still_y1_next, redundancy_output.still_y2_next, redundancy_output.still_y3_next,
+        redundancy_output.still_y4_next, redundancy_output.sound, x_monitor_output.usual, z_monitor_output.usual,
+        faults, guard_ready, redundancy_output.same_y1, redundancy_output.same_y2, redundancy_output.same_y3,
+        redundancy_output.same_y4, diagnostics);
     const uint32_t landing_landing_2 = state->landing.landing;
     const bool landed = (landing_landing_2 != 0u) && (landed_at <= state->landing.r_y);
 
     /* sufficiency: it can land, is probed
      *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
     const bool sufficient = redundancy_output_2.gaps_sufficient &&
-        (x_monitor_output.x_trusted || z_monitor_output.z_trusted);
+        (x_monitor_output.trusted || z_monitor_output.trusted);
     const maglev_5dof_precise_guard_update_t guard_update = maglev_5dof_precise_guard_update(&state->guard, landed,
         sufficient, complete, guard_latched);
     const float y = maglev_5dof_precise_kinematics_update(redundancy_output_2.y1_held, redundancy_output_2.y2_held,
         redundancy_output_2.y3_held, redundancy_output_2.y4_held, diagnostics);
-    const bool lost_x = !x_monitor_output.x_trusted;
-    const bool lost_z = !z_monitor_output.z_trusted;
+    const bool lost_x = !x_monitor_output.trusted;
+    const bool lost_z = !z_monitor_output.trusted;
     const maglev_5dof_precise_angles_t angles = maglev_5dof_precise_angles(guard_update.latched, lost_x,
-        x_monitor_output.x_held, lost_z, z_monitor_output.z_held);
+        x_monitor_output.held, lost_z, z_monitor_output.held);
     out->x_commutation = angles.x_commutation;
     out->z_commutation = angles.z_commutation;
     uint32_t value = faults;
@@ -2087,10 +1918,10 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
         if (redundancy_output_2.suspect_y4) {
             faults_before |= 0x00004000u;
         }
-        if (x_monitor_output.x_suspect != 0u) {
+        if (x_monitor_output.suspect != 0u) {
             faults_before |= 0x00008000u;
         }
-        if (z_monitor_output.z_suspect != 0u) {
+        if (z_monitor_output.suspect != 0u) {
             faults_before |= 0x00010000u;
         }
         if (guard_update.value) {
@@ -2127,37 +1958,32 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
             diagnostics->rests = rests ? 1.0f : 0.0f;
         }
     } else {
-        const maglev_5dof_precise_monitor_update_t x_monitor_update =
-            maglev_5dof_precise_monitor_update(&state->x_monitor, guard_ready, x_monitor_output.jumping,
-            x_monitor_output.value_2, x_monitor_output.above_gate, x_monitor_output.far, x_monitor_output.sudden,
-            x_monitor_output.value, accepted.x, x_monitor_output.x_unchanged, counted, x_monitor_output.same,
-            x_monitor_output.believed, x_monitor_output.before_next);
-        const maglev_5dof_precise_monitor_update_t z_monitor_update =
-            maglev_5dof_precise_monitor_update(&state->z_monitor, guard_ready, z_monitor_output.jumping,
-            z_monitor_output.value_2, z_monitor_output.above_gate, z_monitor_output.far, z_monitor_output.sudden,
-            z_monitor_output.value, accepted.z, z_monitor_output.z_unchanged, counted, z_monitor_output.same,
-            z_monitor_output.believed, z_monitor_output.before_next);
+        const uint32_t x_frozen = maglev_5dof_precise_monitor_update(&state->x_monitor, x_monitor_output.jumping,
+            x_monitor_output.value, accepted.x, x_monitor_output.unchanged, x_monitor_output.above_gate,
+            x_monitor_output.far, x_monitor_output.same, x_monitor_output.believed, x_monitor_output.before_next);
+        const uint32_t z_frozen = maglev_5dof_precise_monitor_update(&state->z_monitor, z_monitor_output.jumping,
+            z_monitor_output.value, accepted.z, z_monitor_output.unchanged, z_monitor_output.above_gate,
+            z_monitor_output.far, z_monitor_output.same, z_monitor_output.believed, z_monitor_output.before_next);
         const maglev_5dof_precise_redundancy_update_t redundancy_update =
             maglev_5dof_precise_redundancy_update(&state->redundancy, redundancy_output_2.calm,
-            z_monitor_output.z_trusted, x_monitor_output.x_trusted, redundancy_output_2.whole,
-            redundancy_output_2.agrees, redundancy_output_2.agreeing, redundancy_output_2.waited,
-            redundancy_output_2.value, redundancy_output_2.doubted, accepted.y1, redundancy_output.still_y1_next,
-            redundancy_output_2.isolated_y1, redundancy_output_2.readmitted_y1, accepted.y2,
-            redundancy_output.still_y2_next, redundancy_output_2.isolated_y2, redundancy_output_2.readmitted_y2,
-            accepted.y3, redundancy_output.still_y3_next, redundancy_output_2.isolated_y3,
-            redundancy_output_2.readmitted_y3, accepted.y4, redundancy_output.still_y4_next,
-            redundancy_output_2.isolated_y4, redundancy_output_2.readmitted_y4, redundancy_output.residual_0,
-            redundancy_output_2.repeats_y1, redundancy_output_2.repeats_y2, redundancy_output_2.repeats_y3,
-            redundancy_output_2.repeats_y4, z_monitor_output.z_suspect, x_monitor_output.x_suspect,
-            redundancy_output_2.suspect_y4, redundancy_output_2.suspect_y3, redundancy_output_2.suspect_y2,
-            redundancy_output_2.suspect_y1, diagnostics);
+            z_monitor_output.trusted, x_monitor_output.trusted, redundancy_output_2.whole, redundancy_output_2.agrees,
+            redundancy_output_2.agreeing, redundancy_output_2.waited, redundancy_output_2.value,
+            redundancy_output_2.doubted, accepted.y1, redundancy_output.still_y1_next, redundancy_output_2.isolated_y1,
+            redundancy_output_2.readmitted_y1, accepted.y2, redundancy_output.still_y2_next,
+            redundancy_output_2.isolated_y2, redundancy_output_2.readmitted_y2, accepted.y3,
+            redundancy_output.still_y3_next, redundancy_output_2.isolated_y3, redundancy_output_2.readmitted_y3,
+            accepted.y4, redundancy_output.still_y4_next, redundancy_output_2.isolated_y4,
+            redundancy_output_2.readmitted_y4, redundancy_output_2.repeats_y1, redundancy_output_2.repeats_y2,
+            redundancy_output_2.repeats_y3, redundancy_output_2.repeats_y4, z_monitor_output.suspect,
+            x_monitor_output.suspect, redundancy_output_2.suspect_y4, redundancy_output_2.suspect_y3,
+            redundancy_output_2.suspect_y2, redundancy_output_2.suspect_y1, diagnostics);
         const bool free = redundancy_update.regular && (observer_y_q < lifted);
         const maglev_5dof_precise_kinematics_output_t kinematics_output =
             maglev_5dof_precise_kinematics_output(redundancy_output_2.y3_held, redundancy_output_2.y1_held,
             redundancy_output_2.y2_held, redundancy_output_2.y4_held, diagnostics);
-        const maglev_5dof_precise_errors_t errors = maglev_5dof_precise_errors(y, accepted.y_ref,
-            x_monitor_output.x_held, accepted.x_ref, z_monitor_output.z_held, accepted.z_ref, kinematics_output.phi,
-            accepted.phi_ref, kinematics_output.theta, accepted.theta_ref, diagnostics);
+        const maglev_5dof_precise_errors_t errors = maglev_5dof_precise_errors(y, accepted.y_ref, x_monitor_output.held,
+            accepted.x_ref, z_monitor_output.held, accepted.z_ref, kinematics_output.phi, accepted.phi_ref,
+            kinematics_output.theta, accepted.theta_ref, diagnostics);
 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise w_phi_last_next, w_theta_last_next
@@ -2172,21 +1998,19 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
             observer_y_fast.value, errors.e_y);
         const float delay_a_x_last = state->delay_a_x_last;
         const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
-            x_monitor_output.x_trusted, x_monitor_output.x_held, x_monitor_update.diverges, x_monitor_update.frozen,
-            delay_a_x_last, x_monitor_output.x_unchanged);
+            x_monitor_output.trusted, x_monitor_output.held, x_frozen, delay_a_x_last, x_monitor_output.unchanged);
         const maglev_5dof_precise_observer_fast_t observer_x_fast =
             maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
-            x_monitor_output.x_held, delay_a_x_last);
+            x_monitor_output.held, delay_a_x_last);
         const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
             observer_x_fast.fast_ahead, accepted.x_ref, observer_x_fast.fast_rate_ahead, guard_ready,
             observer_x_fast.value, errors.e_x);
         const float delay_a_z_last = state->delay_a_z_last;
         const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
-            z_monitor_output.z_trusted, z_monitor_output.z_held, z_monitor_update.diverges, z_monitor_update.frozen,
-            delay_a_z_last, z_monitor_output.z_unchanged);
+            z_monitor_output.trusted, z_monitor_output.held, z_frozen, delay_a_z_last, z_monitor_output.unchanged);
         const maglev_5dof_precise_observer_fast_t observer_z_fast =
             maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
-            z_monitor_output.z_held, delay_a_z_last);
+            z_monitor_output.held, delay_a_z_last);
         const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
             observer_z_fast.fast_ahead, accepted.z_ref, observer_z_fast.fast_rate_ahead, guard_ready,
             observer_z_fast.value, errors.e_z);
@@ -2215,7 +2039,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
             observer_theta.theta_disturbance, w_theta_tracking, observer_x.estimate, observer_x.rate,
             observer_x.disturbance, w_x_tracking, observer_y.y_estimate, observer_y.y_rate, observer_y.y_disturbance,
             w_y_tracking, observer_z.estimate, observer_z.rate, observer_z.disturbance, w_z_tracking, diagnostics);
-        const float w_x = maglev_5dof_precise_probe(&state->probe_x, x_monitor_output.x_unchanged, landing.w_x_unprobed,
+        const float w_x = maglev_5dof_precise_probe(&state->probe_x, x_monitor_output.unchanged, landing.w_x_unprobed,
             free, errors.e_x);
         state->delay_w_y_last = landing.w_y;
         state->delay_w_phi_last = landing.w_phi;
@@ -2225,7 +2049,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
         } else {
             fault_word = faults_before_2;
         }
-        const float w_z = maglev_5dof_precise_probe(&state->probe_z, z_monitor_output.z_unchanged, landing.w_z_unprobed,
+        const float w_z = maglev_5dof_precise_probe(&state->probe_z, z_monitor_output.unchanged, landing.w_z_unprobed,
             free, errors.e_z);
         const maglev_5dof_precise_inversion_t inversion = maglev_5dof_precise_inversion(landing.w_y,
             observer_y_fast.y_fast_ahead, observer_phi_fast.fast_ahead, w_z, observer_theta_fast.fast_ahead, w_x,
@@ -2235,7 +2059,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
         out->i_q1 = inversion.u_z_computed;
         out->i_q3 = inversion.u_z_computed;
         const maglev_5dof_precise_handover_t handover = maglev_5dof_precise_handover(&state->handover, lost_x, lost_z,
-            observer_y_q, x_monitor_output.x_trusted, z_monitor_output.z_trusted, inversion.i_d1_balanced,
+            observer_y_q, x_monitor_output.trusted, z_monitor_output.trusted, inversion.i_d1_balanced,
             inversion.i_d3_balanced, inversion.u_x_computed, inversion.i_d2_balanced, inversion.i_d4_balanced,
             inversion.u_z_computed);
         state->safe_output_last_u_x = inversion.u_x_computed;
@@ -2251,10 +2075,10 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
         state->safe_output_last_i_d4 = handover.i_d4_computed;
         out->i_d4 = handover.i_d4_computed;
         if (diagnostics != NULL) {
-            diagnostics->x_frozen = (float)x_monitor_update.frozen;
-            diagnostics->x_diverges = x_monitor_update.diverges ? 1.0f : 0.0f;
-            diagnostics->z_frozen = (float)z_monitor_update.frozen;
-            diagnostics->z_diverges = z_monitor_update.diverges ? 1.0f : 0.0f;
+            diagnostics->x_unchanged = (float)x_monitor_output.unchanged;
+            diagnostics->x_frozen = (float)x_frozen;
+            diagnostics->z_unchanged = (float)z_monitor_output.unchanged;
+            diagnostics->z_frozen = (float)z_frozen;
             diagnostics->free = free ? 1.0f : 0.0f;
             diagnostics->w_y_tracking = w_y_tracking;
             diagnostics->x_fast_ahead = observer_x_fast.fast_ahead;
@@ -2280,8 +2104,14 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
     }
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
+        diagnostics->x_usual = x_monitor_output.usual ? 1.0f : 0.0f;
         diagnostics->z_unanswered = z_unanswered ? 1.0f : 0.0f;
+        diagnostics->z_usual = z_monitor_output.usual ? 1.0f : 0.0f;
+        diagnostics->x_suspect = (float)x_monitor_output.suspect;
+        diagnostics->z_suspect = (float)z_monitor_output.suspect;
         diagnostics->landed = landed ? 1.0f : 0.0f;
+        diagnostics->x_trusted = x_monitor_output.trusted ? 1.0f : 0.0f;
+        diagnostics->z_trusted = z_monitor_output.trusted ? 1.0f : 0.0f;
         diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
     }
 

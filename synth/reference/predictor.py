@@ -5,7 +5,7 @@
     beta = 3/2 (1 - p)^2 (1 + p) / T, gamma = (1 - p)^3 / T^2
 
 An axis that learns has the gain g of its actuator as a state. Once its measurement is found frozen, what the
-corrections since the last change of its code have added to the rate is taken back. Of one that diverges the rate is 0.
+corrections since the last change of its code have added to the rate is taken back.
 """
 
 from collections.abc import Mapping, Sequence
@@ -62,20 +62,12 @@ def positions(state: Columns, axes: Sequence[str]) -> Array:
 
 
 def observe(
-    state: Columns,
-    q: Array,
-    demand: Array,
-    trusted: Flags,
-    frozen: Flags,
-    diverges: Flags,
-    still: Array,
-    ready: Flags,
-    of: Observers,
+    state: Columns, q: Array, demand: Array, trusted: Flags, frozen: Flags, still: Array, ready: Flags, of: Observers
 ) -> tuple[Array, Array, Array, dict[str, Array]]:
     """Return position, rate and disturbance (m, n) after the correction by the pose q, and the next states.
 
-    `demand` (m, n) are the accelerations that act. `trusted`, `frozen`, `diverges` and the samples without a
-    change are those of the axes that learn.
+    `demand` (m, n) are the accelerations that act. `trusted`, `frozen` and the samples without a change are those of
+    the axes that learn.
     """
     T, learning = of.T, of.learning_axes
     learns = [name in learning for name in of.axes]
@@ -89,8 +81,7 @@ def observe(
     # A correction of the rate is that of d times 3/2 T (1 + p) / (1 - p).
     learnt = (1.5 * T * (1 + p) / (1 - p))[learns] * (d[learns] - at_change) + T * gained
     corrected = v + correction
-    open_loop = np.where(diverges, 0.0, v[learns] - np.where(frozen, learnt, 0.0))
-    corrected[learns] = np.where(trusted, corrected[learns], open_loop)
+    corrected[learns] = np.where(trusted, corrected[learns], v[learns] - np.where(frozen, learnt, 0.0))
     v = np.where(ready, corrected, 0.0)
     d = np.where(ready, np.clip(d + (1 - p) ** 3 / T**2 * nu, -most, most), 0.0)
     d[learns] = np.where(trusted, d[learns], 0.0)

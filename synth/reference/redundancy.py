@@ -4,12 +4,10 @@ It is the reference of `blocks.redundancy` and, for the `others`, of `blocks.inn
 
 parity       sum of s_j y_j = 0 for the sensors of a relation, s_j = +-1: a refused one follows from the others, two
              or more follow from the predictions
-isolation    for |sum of s_j y_j| above a threshold, which its mean change in a sample raises: by codes that stand
-             still and by innovations
+isolation    for |sum of s_j y_j| above a threshold, by codes that stand still and by innovations
 others       a code that stands still while the prediction moves by more than a gate is frozen; a reading further
              than `jump` from a prediction that is believed has jumped; both need an earlier agreement
-             unless the distance grew by more than a wide gate since the last change of the code; a reading
-             further than `away`, whatever agreed, has left its prediction, but after missed calls
+             unless the distance grew by more than a wide gate since the last change of the code
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,29 +25,22 @@ Columns = Mapping[str, NDArray[Any]]
 
 FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
 CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
-SMOOTH = 1e-7  # m, of a change of the residual
-LEARNT = 1 / 256  # of the threshold, in a sample without a contradiction
 
 
 @dataclass(frozen=True)
 class Sensors:
-    """The sensors of the relation with their signs and its threshold, and the `others` with gates and travel.
+    """The sensors of the relation with their signs and its threshold, and the `others` with gate and travel.
 
-    It is `threshold` + `slope` m, m the mean change of the residual in a sample, and at most `largest`.
     Samples without a change of the others are counted up to `longest`. Readings are limited to `low` .. `high`.
     """
 
     signs: Mapping[str, float]
     threshold: float
-    slope: float
-    largest: float
     others: Sequence[str]
     gate: float
-    frozen: float
     jump: float
     wide_jump: float
     wide_frozen: float
-    away: float
     travel: float
     longest: int
     low: Array
@@ -89,8 +80,7 @@ def readings(
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     judging = ready & ~(np.asarray(state["guard_latched"]) > 0)  # once latched, the observers stand still
-    threshold, r = np.asarray(state["redundancy_threshold_0"]), of.parity(y[:g])
-    related, named, after = _isolate(state, of, threshold, y[:g], value[:g], expected[:g], usable[:g], still[:g], ready)
+    related, named, after = _isolate(state, of, y[:g], value[:g], expected[:g], usable[:g], still[:g], ready)
     readmitted = ~same[:g] & excluded[:g] & good[:g] & (np.asarray(state["redundancy_stuck_0"]) > 0)
     undecided = after["waited"] | readmitted.any(axis=0)
     undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
@@ -102,14 +92,11 @@ def readings(
     last = rows(state, of.states("code")[g:])
     growth = distance - np.abs(last - remembered)
     with np.errstate(invalid="ignore"):
-        counts = np.asarray(missed) == 0
-    sudden = (doubts == 0) | (growth > of.wide_jump)
-    believed = judging & counts & (sudden | ((distance > of.away) & (doubts <= DOUBTS)))
+        believed = judging & ((doubts == 0) | (growth > of.wide_jump)) & (np.asarray(missed) == 0)
     believed &= (np.abs(expected[g:]) < of.travel) & (np.abs(last) < of.travel)
     far = distance > of.jump
-    more = np.where(distance > of.gate, np.maximum(doubts, DOUBTS), np.maximum(doubts - 1, 0))
-    doubted = np.where(far & believed, doubts, more)
-    suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.frozen)) | (growth > of.wide_frozen) | unanswered
+    doubted = np.where(far & believed, doubts, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
+    suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | (growth > of.wide_frozen) | unanswered
     stands = ready & (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
     jumps = far & ((counted > 0) | (believed & ~same[g:]))
     freezes = stands & ~jumps & usable[g:]
@@ -126,13 +113,9 @@ def readings(
     next: dict[str, Any] = dict(zip(of.states("code"), y, strict=True))
     next |= dict(zip(of.states("still"), still, strict=True))
     next |= dict(zip(of.states("before")[g:], before, strict=True))
-    kept_doubts = np.where((distance > of.gate) & ~counts, 2 * DOUBTS, np.where(same[g:], doubts, doubted))
+    kept_doubts = np.where(same[g:], doubts, doubted)
     next |= dict(zip(of.states("doubts")[g:], kept_doubts, strict=True))
-    calm = sound & usual.all(axis=0) & (np.abs(of.parity(y[:g])) <= threshold)
-    last_r = np.asarray(state["redundancy_last_residual_0"])
-    learnt = (1 - LEARNT) * threshold + LEARNT * (of.threshold + of.slope * np.sqrt((r - last_r) ** 2 + SMOOTH**2))
-    next["redundancy_threshold_0"] = np.where(calm, np.minimum(learnt, of.largest), threshold)
-    next["redundancy_last_residual_0"] = np.where(calm, r, last_r)
+    calm = sound & usual.all(axis=0) & (np.abs(of.parity(y[:g])) <= of.threshold)
     jump_counts = np.where(jumps & (counted < PERSISTENT - 1), counted + 1, 0)
     next |= dict(zip(of.states("jumps")[g:], jump_counts, strict=True))
     next |= dict(zip(of.states("excluded")[g:], out, strict=True))
@@ -151,26 +134,17 @@ def readings(
         "trusted": trusted,
         "degraded": ~calm & ready,
         "frozen": stopped,
-        "diverges": jumps & ~sudden & (counted < 1) & ~excluded[g:],
     }
     return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, flags, next
 
 
 def _isolate(
-    state: Columns,
-    of: Sensors,
-    threshold: Array,
-    y: Array,
-    value: Array,
-    expected: Array,
-    usable: Flags,
-    still: Array,
-    ready: Flags,
+    state: Columns, of: Sensors, y: Array, value: Array, expected: Array, usable: Flags, still: Array, ready: Flags
 ) -> tuple[Array, Flags, dict[str, Any]]:
     """Return the readings of the relation to use, which is named now, and what follows for the states."""
     sign = of.column(y)
     r, missing = of.parity(value), np.sum(~usable, axis=0)
-    wrong = (missing == 0) & (np.abs(r) > threshold) & ready
+    wrong = (missing == 0) & (np.abs(r) > of.threshold) & ready
     E = np.where(r > 0, 1.0, -1.0) * sign * (y - expected)
     undecided = np.asarray(state["redundancy_undecided_0"]) > 0
     candidate = (still >= FRESH) & (CANDIDATE * np.abs(r) < E)

@@ -7,23 +7,16 @@ the motion. A residual of healthy sensors is bounded by
 
     |r| <= sum_i |w_i| (resolution_i / 2 + offset_i) + max over the range of |w (h(q) - h(q0))|
 
-White noise adds to it, of a variance s^2 = sum_i w_i^2 (noise_i^2 + resolution_i^2 / 12) with the rounding. Then |r|
-exceeds the offsets by K s in a share `chance` of the samples, K the two-sided quantile of the normal distribution. The
-mean m of |r - r one sample ago| is 2 s / sqrt(pi), and 0 where nothing moves and there is no noise; between both the
-threshold is linear in m.
-
 Each row is reduced (row echelon form), so it has few entries, and scaled: its
 largest entry is 1 or -1.
 
 Source: Chow, Willsky, "Analytical redundancy and the design of robust failure detection systems", IEEE Trans. Automatic
-Control 29 (1984), section II, for sensors of one instant; von Neumann, "The mean square successive difference", 1941.
+Control 29 (1984), section II, for sensors of one instant.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import pi, sqrt
-from statistics import NormalDist
 
 import casadi as ca
 import numpy as np
@@ -41,44 +34,31 @@ GRID = 3  # points of each position over its range
 @arguments.checked
 @dataclass(frozen=True)
 class Tolerance:
-    """Resolution, largest constant error and largest standard deviation of white noise of a sensor, in its unit."""
+    """Resolution and largest constant error of a sensor, in its unit."""
 
     resolution: float
     offset: float
-    noise: float = 0.0
 
 
 @arguments.checked
 @dataclass(frozen=True)
 class Relation:
-    """Weights (1) by sensor of one residual, and the largest |residual| of healthy sensors, in their unit.
-
-    With noise it is threshold + `slope` m, m the mean change of the residual in a sample, and at most `largest`. A
-    `slope` of 0 is that of sensors without noise.
-    """
+    """Weights (1) by sensor of one residual, and the largest |residual| of healthy sensors, in their unit."""
 
     weights: Mapping[str, float]
     threshold: float
-    slope: float = 0.0
-    largest: float = 0.0
 
 
 @arguments.checked
-def relations(
-    plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str, Tolerance], chance: float = 1e-9
-) -> tuple[Relation, ...]:
+def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str, Tolerance]) -> tuple[Relation, ...]:
     """Return the parity relations of `sensors`, plant outputs by sensor name; none where no sensor is redundant.
-
-    Noise exceeds a threshold in a share `chance` of the samples.
 
     The positions are the states that an output depends on. Their ranges are those of the plant, and C is that at their
     middle. Units of sensors that stand in one relation must agree.
 
     Raises ModelError for no sensors, an output that the plant does not have, that depends on an input or on no state, a
-    missing tolerance, a relation between sensors of different units, or a chance outside 0 .. 1.
+    missing tolerance, or a relation between sensors of different units.
     """
-    if not 0 < chance < 1:
-        raise ModelError(f"noise exceeds the threshold with the chance {chance}: give one between 0 and 1")
     if not sensors:
         raise ModelError("no sensors are given: give the output that each sensor reads")
     outputs = {s.name: s for s in plant.outputs}
@@ -88,10 +68,7 @@ def relations(
     h, middle, points = _output_map(plant, list(sensors.values()))
     W = _left_null_space(np.array(h.jacobian()(middle, h(middle))))
     names = list(sensors)
-    resolution, offset, noise = (
-        np.array([getattr(tolerances[n], of) for n in names]) for of in ("resolution", "offset", "noise")
-    )
-    quantile = -NormalDist().inv_cdf(chance / 2)
+    bound = np.array([tolerances[n].resolution / 2 + tolerances[n].offset for n in names])
     deviations = np.array([np.array(h(p) - h(middle)).ravel() for p in points])
     parities = []
     for w in W:
@@ -102,12 +79,7 @@ def relations(
                 f"the relation of {', '.join(weights)} mixes {', '.join(sorted(units))}: scale the outputs"
             )
         curvature = float(np.max(np.abs(deviations @ w), initial=0.0))
-        rounding = float(np.abs(w) @ resolution / 2)
-        threshold = float(np.abs(w) @ offset) + rounding + curvature
-        deviation = sqrt(float(w**2 @ (noise**2 + resolution**2 / 12))) if noise[w != 0].any() else 0.0
-        more = max(0.0, quantile * deviation - rounding)
-        slope = more / (2 * deviation / sqrt(pi)) if more else 0.0
-        parities.append(Relation(weights, threshold, slope, threshold + more if more else 0.0))
+        parities.append(Relation(weights, float(np.abs(w) @ bound) + curvature))
     return tuple(parities)
 
 

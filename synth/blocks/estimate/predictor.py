@@ -17,8 +17,7 @@ from it since it last changed is taken back, both at once and through the distur
     l = (beta / gamma) T (d - d_c) + T m,   m' = (1 - LEAK) m + d+ - d_c while the code is unchanged;   v+ = v - l
 
 The first term is the sum of beta nu / T since the change, and m the sum of what d gained. A measurement that is refused
-was right until then, and nothing is taken back. One that `diverges` from its prediction may have the wrong sign: its
-rate is taken for 0. The leak bounds m without a limit, which would cost more than the
+was right until then, and nothing is taken back. The leak bounds m without a limit, which would cost more than the
 product.
 
 The gain g is 1, or is learnt from the disturbance that moves with the demand, g' = g + rate T a d+ (gradient of d^2),
@@ -59,15 +58,11 @@ class Gain:
 @arguments.checked
 @dataclass(frozen=True)
 class Flags:
-    """Names of the inputs that say whether the measurement is used, since when it is unchanged, and if it is frozen.
-
-    `diverges` says that it has left its prediction gradually.
-    """
+    """Names of the inputs that say whether the measurement is used, since when it is unchanged, and if it is frozen."""
 
     trusted: str
     unchanged: str
     frozen: str
-    diverges: str = ""
 
 
 @arguments.checked
@@ -144,7 +139,6 @@ def block(
         inputs.append(Signal(flags.trusted, "1", 0, 1, "the measurement is used"))
         inputs.append(Signal(flags.frozen, "1", 0, 1, "the code stands still although the coordinate moves"))
         inputs.append(Signal(flags.unchanged, "1", 0, 1e6, "samples without a change of the code"))
-        inputs += [Signal(flags.diverges, "1", 0, 1, "it left its prediction gradually")] if flags.diverges else []
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         nu = u[measured.name] - x["q"]
@@ -154,10 +148,7 @@ def block(
             trusted = u[flags.trusted]
             learnt = k["beta"] / k["gamma"] * (x["d"] - x["d_at_change"]) + T * x["gained"]
             taken_back = ca.if_else(u[flags.frozen], learnt, 0.0)
-            open_loop = x["v"] - taken_back
-            if flags.diverges:
-                open_loop = ca.if_else(u[flags.diverges], 0.0, open_loop)
-            v = ca.if_else(trusted, v, open_loop)
+            v = ca.if_else(trusted, v, x["v"] - taken_back)
             d = ca.if_else(trusted, d, 0.0)
         q, v, d = (ca.if_else(u["ready"], new, first) for new, first in ((q, u[measured.name]), (v, 0.0), (d, 0.0)))
         if flags:

@@ -4,7 +4,7 @@
 
     refused   the guard refuses it: the prediction replaces it
     frozen    its code does not change for FRESH samples or more while its prediction, which agreed with it at the last
-              DOUBTS changes, moves by more than `frozen`; or a `probe` says that its code did not answer
+              DOUBTS changes, moves by more than `gate`; or a `probe` says that its code did not answer
     jump      its innovation y - y^ is larger than `jump`, and y^ agreed with it at the last DOUBTS changes. The
               prediction replaces it at once. A jump is not looked for in a sample after missing calls, in which the
               body has moved on, nor where the prediction or the code before it is outside `travel`; a sensor that
@@ -178,7 +178,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
     """
     n = sensor.name
     decision.require(n)
-    gate, frozen, travel = decision.gate[n], decision.frozen_from(n), decision.travel[n]
+    gate, travel = decision.gate[n], decision.travel[n]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         y, expected, excluded, doubts = u[f"{n}_accepted"], u[f"{n}_expected"], x["excluded"], x["doubts"]
@@ -189,26 +189,19 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         growth = distance - ca.fabs(x["code"] - x["before"])
         grown = growth > decision.wide_jump[n] if n in decision.wide_jump else ca.SX(0)
         strayed = growth > decision.wide_frozen[n] if n in decision.wide_frozen else ca.SX(0)
-        far, jumping, last, gradual = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(0)
-        away = ca.logic_and(distance > decision.away[n], doubts <= DOUBTS) if n in decision.away else ca.SX(0)
-        counted, most = _is_next_call(u, missed_calls), decision.doubts(n)
-        in_time = ca.logic_and(u[safety.JUDGING.name], counted)
-        sudden = ca.logic_or(doubts < 1, grown)
-        contradicts = ca.logic_and(ca.logic_or(sudden, away), in_time)
+        far, jumping, last = ca.SX(0), ca.SX(0), ca.SX(0)
+        contradicts = ca.logic_and(ca.logic_or(doubts < 1, grown), _is_in_time(u, missed_calls))
         believed = _is_free(travel, (expected, x["code"]), contradicts)
         if n in decision.jump:
             far, last = distance > decision.jump[n], x["jumps"] >= decision.persistent - 1
             jumping = ca.if_else(far, ca.logic_or(x["jumps"] >= 1, ca.logic_and(believed, ca.logic_not(same))), 0)
             strayed = ca.if_else(far, strayed, 0)
-            gradual = ca.if_else(far, ca.logic_not(sudden), 0)
         # Both are beyond the gate anyway; said twice, a step in agreement with its prediction skips all of it.
-        jumping, strayed, gradual = (ca.if_else(distance > gate, each, 0) for each in (jumping, strayed, gradual))
-        stays = ca.logic_or(same, doubts > DOUBTS) if n in decision.away else same
-        unexplained = ca.if_else(ca.logic_or(stays, believed), doubts, DOUBTS)
-        disagreeing = ca.if_else(far, unexplained, ca.if_else(stays, doubts, DOUBTS))
-        disagreeing = ca.if_else(counted, disagreeing, most) if n in decision.away else disagreeing
+        jumping, strayed = (ca.if_else(distance > gate, each, 0) for each in (jumping, strayed))
+        unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
+        disagreeing = ca.if_else(far, unexplained, ca.if_else(same, doubts, DOUBTS))
         agreeing = ca.if_else(same, doubts, ca.if_else(doubts >= 1, doubts - 1, 0))
-        moves = ca.logic_or(ca.logic_and(ca.fabs(expected - before) > frozen, doubts < 1), strayed)
+        moves = ca.logic_or(ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1), strayed)
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
         stands = ca.logic_and(_is_frozen(travel, y, unchanged, suspicious), u["ready"])
         usable = ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(excluded))
@@ -226,9 +219,6 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
             f"{n}_usual": by_case(0, 0, 0, 1),
             f"{n}_unchanged": unchanged,
         }
-        if n in decision.away:
-            first = ca.logic_and(x["jumps"] < 1, ca.logic_not(excluded))
-            output[f"{n}_diverges"] = by_case(ca.logic_and(gradual, first), 0, 0, 0)
         next = {
             "code": y,
             "still": unchanged,
@@ -243,17 +233,19 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
     return build(
         f"{n}_{safety.MONITOR}", time, law,
         inputs=redundancy_decision.inputs_of_monitor(sensor, decision.at_rest > 0, missed_calls),
-        outputs=redundancy_decision.outputs_of_monitor(sensor, decision),
+        outputs=redundancy_decision.outputs_of_monitor(sensor),
         states=redundancy_decision.states_of_monitor(sensor, decision),
         tag="frozen codes, jumps of the innovation",
     )  # fmt: skip
 
 
-def _is_next_call(u: Exprs, missed_calls: Signal | None) -> ca.SX:
-    """Return whether no call is missing before this sample; a count below 0 is as bad as one that is NaN."""
-    if not missed_calls:
-        return ca.SX(1)
-    return ca.logic_and(u[missed_calls.name] >= missed_calls.low, u[missed_calls.name] <= 0)
+def _is_in_time(u: Exprs, missed_calls: Signal | None) -> ca.SX:
+    """Return whether a jump may be looked for: not once latched, and not after missing calls."""
+    in_time = u[safety.JUDGING.name]
+    if missed_calls:  # a count below 0 is as bad as one that is NaN
+        counted = ca.logic_and(u[missed_calls.name] >= missed_calls.low, u[missed_calls.name] <= 0)
+        in_time = ca.logic_and(in_time, counted)
+    return in_time
 
 
 def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: ca.SX) -> ca.SX:

@@ -20,8 +20,7 @@ Source: Isermann, *Fault-Diagnosis Systems*, chapter 10 (parity), with the innov
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, prod, sqrt
-from statistics import NormalDist
+from math import inf, sqrt
 
 import casadi as ca
 
@@ -35,9 +34,6 @@ from synth.signals import Signal
 FRESH, STILL = 3, 8  # samples without a change of the code: fewer, it moves; at least, it stands still
 CANDIDATE = 0.4  # of |r|: least E by rule 1
 LEAD = {"by code": 0.05, "by innovation": 0.3}  # of |r|: of the largest E over the next one, by rules 1 and 2, and 3
-SMOOTH = 1e-7  # of a change of a residual, in its unit: below it the size of the change has no kink
-PLACES = 200  # of a body, over which the chance of repeated codes is averaged
-LEARNT = 1 / 256  # in a sample, of a threshold: long beside a fault, and the noise deviates by 4 % from its mean
 PREFERENCE = 10.0  # added to E by rules 1 and 2; larger than any reading
 
 
@@ -80,19 +76,12 @@ def signals(i: int, unit: str, r: ca.SX, E: Exprs, score: Exprs) -> list[tuple[S
     return named + [(Signal(f"score_{n}", unit, -most, most, "the largest is wrong"), v) for n, v in score.items()]
 
 
-def numbers_of_relation(unit: str, i: int, relation: Relation) -> list[Constant]:
+def numbers_of_relation(unit: str, i: int, threshold: float) -> list[Constant]:
     """Return the numbers of the rules and of relation i that the C names, for readings in a unit."""
-    about, part = "largest |r| without a fault: half a count and an offset of each sensor", LEARNT
-    by_noise = [
-        Constant(f"quiet_part_{i}", part * relation.threshold, unit, "of the threshold without noise, in a sample"),
-        Constant(f"learnt_part_{i}", part * relation.slope, "1", "of the change of r, learnt in a sample"),
-        Constant("smooth_squared", SMOOTH**2, f"{unit}^2", "of a change of r: it has no kink where nothing moves"),
-        Constant("kept_part", 1 - part, "1", "of the threshold, in a sample"),
-        Constant(f"largest_{i}", relation.largest, unit, "threshold at the largest noise", is_limit=True),
-    ]
-    constant = [Constant(f"threshold_{i}", relation.threshold, unit, about)]
     return [
-        *(by_noise if relation.slope else constant),
+        Constant(
+            f"threshold_{i}", threshold, unit, "largest |r| without a fault: half a count and an offset of each sensor"
+        ),
         Constant(
             "candidate_part",
             CANDIDATE,
@@ -125,15 +114,12 @@ DOUBTS = 10  # changes of a code that agree until its prediction is believed, at
 class Decision:
     """Samples in a row until a sensor is excluded or all are suspects, the gate of frozen sensors, and `tolerated`.
 
-    `gate` is in the unit of each sensor without a group, by name: its prediction agrees with it inside. A code that
-    stands still while its prediction moves by more than `frozen` is frozen; without one that is the gate, and noise
-    needs a larger one (`frozen_gate`). With `at_rest` a `probe` moves such a sensor at rest,
+    `gate` is in the unit of each sensor without a group, by name. With `at_rest` a `probe` moves such a sensor at rest,
     and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its
     reading is inside `travel`; at an end, a stop may hold it. A reading further than `jump` from its prediction has
     jumped (`jump_gate`); without one no jump is looked for. Where the distance from its prediction has grown since
     the last change of the code by more than `wide_frozen` or `wide_jump`, the sensor is frozen or has jumped without an
-    earlier agreement; without these it is not. A reading further than `away` from its prediction has jumped, too, but
-    after missing calls, until DOUBTS changes of its code have agreed.
+    earlier agreement; without these it is not.
     """
 
     gate: Mapping[str, float]
@@ -145,16 +131,6 @@ class Decision:
     jump: Mapping[str, float] = field(default_factory=dict)
     wide_jump: Mapping[str, float] = field(default_factory=dict)
     wide_frozen: Mapping[str, float] = field(default_factory=dict)
-    frozen: Mapping[str, float] = field(default_factory=dict)
-    away: Mapping[str, float] = field(default_factory=dict)
-
-    def frozen_from(self, name: str) -> float:
-        """Return the predicted motion beyond which an unchanged code of a sensor without a relation is frozen."""
-        return self.frozen.get(name, self.gate[name])
-
-    def doubts(self, name: str) -> int:
-        """Return the largest count of changes of a code until its prediction is believed."""
-        return 2 * DOUBTS if name in self.away else DOUBTS
 
     def longest(self, single: bool) -> int:
         """Return the largest count of samples without a change, of a sensor of a group or of a `single` one."""
@@ -164,22 +140,18 @@ class Decision:
         """Raise SignalError unless a sensor without a relation has a gate, a travel, and no other gate below it."""
         if not self.gate.get(name, 0) > 0 or name not in self.travel:
             raise SignalError(f"sensor '{name}' is in no relation and has no gate or travel: give both")
-        if self.frozen_from(name) < self.gate[name]:
-            gate = self.gate[name]
-            raise SignalError(f"a code of '{name}' is frozen above {self.frozen[name]}, its gate {gate}: give no less")
         if self.jump.get(name, self.gate[name]) < self.gate[name]:
             jump, gate = self.jump[name], self.gate[name]
             raise SignalError(f"a jump of '{name}' is above {jump}, its gate {gate}: give no less")
         least = self.jump.get(name, self.gate[name])
-        wide_gates = (("jumps", self.wide_jump), ("frozen codes", self.wide_frozen), ("distances", self.away))
-        for of, wide in wide_gates:
+        for of, wide in (("jumps", self.wide_jump), ("frozen codes", self.wide_frozen)):
             if wide.get(name, least) < least:
                 raise SignalError(f"the wide gate for {of} of '{name}' is {wide[name]}, its gate {least}: give no less")
 
     def numbers(self, signals: Mapping[str, Signal], relations: Sequence[Relation]) -> list[Constant]:
         """Return the numbers of the groups that the C names."""
         units = (signals[next(iter(r.weights))].unit for r in relations)
-        numbers = [n for i, unit in enumerate(units) for n in numbers_of_relation(unit, i, relations[i])]
+        numbers = [n for i, unit in enumerate(units) for n in numbers_of_relation(unit, i, relations[i].threshold)]
         groups = dict.fromkeys(len(r.weights) - 1 for r in relations)
         others = (
             Constant(f"all_but_one_of_{n + 1}", n, "1", "sensors of a group but one", ("moving",)) for n in groups
@@ -199,14 +171,10 @@ class Decision:
         """Return the numbers of the monitor of a sensor that the C names."""
         n, unit, at = sensor.name, sensor.unit, "end of the travel, where a stop may hold it"
         far = "from the prediction: no acceleration of the machine explains it"
-        moved = "predicted motion in which a working code changes"
-        numbers = [Constant("gate", self.gate[n], unit, "an agreeing prediction is nearer" if self.frozen else moved)]
-        numbers += [Constant("frozen_gate", self.frozen[n], unit, moved)] if n in self.frozen else []
+        numbers = [Constant("gate", self.gate[n], unit, "predicted motion in which a working code changes")]
         numbers += [Constant("jump", self.jump[n], unit, far)] if n in self.jump else []
         grown = "growth of the distance to the prediction that needs no earlier agreement: of a code that"
         numbers += [Constant("wide_jump", self.wide_jump[n], unit, f"{grown} changes")] if n in self.wide_jump else []
-        nowhere = "from the prediction: no sound reading is farther, but after missing calls"
-        numbers += [Constant("away", self.away[n], unit, nowhere)] if n in self.away else []
         frozen = f"{grown} stands still"
         numbers += [Constant("wide_frozen", self.wide_frozen[n], unit, frozen)] if n in self.wide_frozen else []
         ends = zip(("low", "high"), self.travel[n], strict=True)
@@ -216,8 +184,6 @@ class Decision:
                      ("still", "unchanged")),
             Constant("doubted_changes", DOUBTS, "1", "changes of the code until its prediction is believed",
                      ("doubts",)),
-            *([Constant("doubted_after_missed_calls", self.doubts(n), "1", "of these the first half for its distance",
-                        ("doubts",))] if n in self.away else []),
         ]  # fmt: skip
 
     def _counts(self) -> list[Constant]:
@@ -252,41 +218,6 @@ def jump_gate(gate: float, acceleration: float, resolution: float, period: float
     return gate + period * sqrt(2 * gate * acceleration) + acceleration * period**2 / 2 + resolution
 
 
-@arguments.checked
-def frozen_gate(gate: float, resolution: float, noise: float, chance: float = 1e-9) -> float:
-    """Return the predicted motion d in which the code of a sound sensor repeats with a `chance`, at least its `gate`.
-
-    It repeats m = FRESH times where the white noise of m + 1 samples, with the standard deviation sigma, `noise`, is
-    opposite to a uniform motion, so that all readings are in one count q. Averaged over the place u in a count that is
-
-        P(d) = integral of prod_k (F(u_k + q/2) - F(u_k - q/2)) du / q,   u_k = u + d (k/m - 1/2), k = 0 .. m
-
-    with the distribution F of the noise. A larger motion, and a longer repetition, is less probable.
-
-    Raises SignalError for a negative or infinite value, or a chance outside 0 .. 1.
-    """
-    for name, value in {"gate": gate, "resolution": resolution, "noise": noise}.items():
-        if not 0 <= value < inf:
-            raise SignalError(f"gate of frozen codes: the {name} is {value}: give a finite number of at least 0")
-    if not 0 < chance < 1:
-        raise SignalError(f"gate of frozen codes: the chance is {chance}: give one between 0 and 1")
-    if not (noise and resolution):
-        return gate
-    F, reach = NormalDist(0.0, noise).cdf, 6 * noise + resolution
-    places = [reach * (2 * i / PLACES - 1) for i in range(PLACES + 1)]
-
-    def probability(d: float) -> float:
-        at = ([u + d * (k / FRESH - 0.5) for k in range(FRESH + 1)] for u in places)
-        inside = (prod(F(v + resolution / 2) - F(v - resolution / 2) for v in each) for each in at)
-        return sum(inside) * 2 * reach / PLACES / resolution
-
-    low, high = 0.0, 2 * (reach + resolution * FRESH)
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if probability(middle) > chance else (low, middle)
-    return max(gate, high)
-
-
 def count(flag: ca.SX, counted: ca.SX, most: int) -> ca.SX:
     """Return the next of a counter of samples in a row with a flag, which stays at `most`."""
     return ca.if_else(flag, ca.if_else(counted >= most, counted, counted + 1), 0)
@@ -312,24 +243,12 @@ def outputs(sensors: Sequence[Signal], grouped: Sequence[Signal]) -> list[Signal
 def states(grouped: Sequence[Signal], relations: Sequence[Relation], decision: Decision) -> list[State]:
     """Return the states of the sensors of groups, of the relations and of the whole."""
     declared = [state for s in grouped for state in _code(s, f"_{s.name}", decision.longest(False))]
-    for i, relation in enumerate(relations):
-        if relation.slope:
-            unit, most = grouped[0].unit, 1.01 * _largest_residual(grouped, relation)
-            last = Signal(f"last_residual_{i}", unit, -most, most, "of the parity relation one sample ago")
-            low, high = (1 - 1e-3) * relation.threshold, (1 + 1e-6) * relation.largest
-            largest = Signal(f"threshold_{i}", unit, low, high, "largest |residual| without a fault, by its noise")
-            declared += [State(last, 0.0), State(largest, relation.largest)]
+    for i in range(len(relations)):
         samples = Signal(f"contradictions_{i}", "1", 0, decision.undecided, "samples in a row")
         declared.append(State(samples, 0, True))
         declared.append(State(_flag(f"stuck_{i}", "the excluded sensor stood still"), 0, True))
         declared.append(State(_flag(f"undecided_{i}", "which sensor is wrong is not known"), 0, True))
     return [*declared, State(_flag("degraded", "a sensor was a suspect or is excluded, until init"), 0, True)]
-
-
-def _largest_residual(grouped: Sequence[Signal], relation: Relation) -> float:
-    ranges = {s.name: (s.low, s.high) for s in grouped}
-    ends = [(w * ranges[n][0], w * ranges[n][1]) for n, w in relation.weights.items()]
-    return max(abs(sum(min(pair) for pair in ends)), abs(sum(max(pair) for pair in ends)))
 
 
 def inputs_of_monitor(sensor: Signal, is_probed: bool, missed_calls: Signal | None) -> list[Signal]:
@@ -338,21 +257,19 @@ def inputs_of_monitor(sensor: Signal, is_probed: bool, missed_calls: Signal | No
     return [*_read([sensor]), *answers, _READY, safety.SOUND, safety.JUDGING, *([missed_calls] if missed_calls else [])]
 
 
-def outputs_of_monitor(sensor: Signal, decision: Decision) -> list[Signal]:
+def outputs_of_monitor(sensor: Signal) -> list[Signal]:
     """Return the outputs of the monitor of a sensor."""
     n = sensor.name
-    diverges = [_flag(f"{n}_diverges", "its prediction has left it gradually, so the rate is unknown, too")]
     return [
         replace(sensor, name=f"{n}_held"), *(_monitor_flag(n, of) for of in _MONITOR_FLAGS),
         _flag(f"{n}_frozen", "its code stands still although it ought to move, or it is excluded"),
         Signal(f"{n}_unchanged", "1", 0, 1e6, "samples without a change of the code"),
-        *(diverges if n in decision.away else []),
     ]  # fmt: skip
 
 
 def states_of_monitor(sensor: Signal, decision: Decision) -> list[State]:
     """Return the states of the monitor of a sensor."""
-    doubts = Signal("doubts", "1", 0, decision.doubts(sensor.name), "changes until its prediction is believed")
+    doubts = Signal("doubts", "1", 0, DOUBTS, "changes until its prediction is believed")
     before = replace(sensor, name="before", about="prediction at the last change")
     jumps = Signal("jumps", "1", 0, max(decision.persistent - 1, 1), "samples in a row far from its prediction")
     return [

@@ -11,7 +11,7 @@ from synth.analyse.structure.parity import Relation
 from synth.block import Block, Constant
 from synth.blocks.estimate import predictor
 from synth.blocks.faults import innovation_monitor, landing, probe, redundancy
-from synth.blocks.faults.redundancy_decision import FRESH, frozen_gate, jump_gate
+from synth.blocks.faults.redundancy_decision import jump_gate
 from synth.composition import compose
 from synth.fault import BRAKING_BIT
 from synth.signals import Signal, signal_names
@@ -214,39 +214,6 @@ def test_the_gate_of_jumps_is_what_a_wrong_acceleration_adds_in_a_sample() -> No
     gate, e = 40e-6, 53.0
     t = np.sqrt(2 * gate / e)
     assert jump_gate(gate, e, 1e-5, T) == pytest.approx(e * (t + T) ** 2 / 2 + 1e-5)
-
-
-def test_the_gate_of_frozen_codes_is_seldom_reached_by_the_noise_of_a_moving_sensor() -> None:
-    """Codes of one count repeat while the body moves, by noise: so far in a share of the samples below the chance."""
-    sigma, q, chance = 1.0, 1.0, 1e-4
-    gate, rng, n = frozen_gate(0.1, q, sigma, chance), np.random.default_rng(1), 400_000
-    assert frozen_gate(0.1, q, 0.0) == 0.1 and frozen_gate(9.0, q, sigma, chance) == 9.0
-
-    def repeats(distance: float) -> float:
-        k = np.arange(FRESH + 1)[:, None] / FRESH
-        codes = np.round(distance * k + rng.uniform(-0.5, 0.5, n) + rng.normal(0.0, sigma, (FRESH + 1, n)))
-        return float(np.mean((codes == codes[0]).all(axis=0)))
-
-    assert repeats(gate) == pytest.approx(chance, rel=0.3) and repeats(gate / 2) > 10 * chance
-
-
-@pytest.mark.parametrize(("away", "missed"), [(4.1e-3, 0.0), (0.0, 0.0), (4.1e-3, 3.0)])
-def test_a_reading_that_leaves_its_prediction_gradually_has_jumped_and_its_rate_is_unknown(
-    away: float, missed: float
-) -> None:
-    """A prediction that is late never agrees; after missing calls it may be far, until it agrees again."""
-    calls = Signal("missed_calls", "1", 0, 40)
-    decision = replace(DECISION, jump={"x": 2e-3}, wide_jump={"x": 5e-3}, away={"x": away} if away else {})
-    runner, named, diverges = Runner(whole(decision, calls)), [], []
-    for k in range(30):
-        readings = moving(k) | {"x": 0.01 * k}
-        off = readings | {"x": readings["x"] - 2e-4 * k}
-        out = runner(**sample(readings, off, missed_calls=missed if k == 12 else 0.0))
-        named.append(out["suspect_x"])
-        diverges.append(out.get("x_diverges", 0.0))
-    first = int(np.argmax(named)) if any(named) else None
-    assert first == (21 if away and not missed else None)
-    assert diverges == [1.0 if k == first else 0.0 for k in range(30)]
 
 
 W, ERROR = Signal("w", "m/s^2", -9.0, 9.0), Signal("e", "m", -1.0, 1.0)

@@ -172,7 +172,7 @@ def wait_on_the_stop(rig: Rig) -> float:
 
 def test_no_current_grows_while_the_platen_waits_at_a_set_point_on_its_stop() -> None:
     rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
-    planted = with_defect(rig, "in->y_ref, 0.01805f, 0.03095f,", "in->y_ref, 0.01805f, 0.031f,")
+    planted = with_defect(rig, "in->y_ref, 0.01802f, 0.03098f,", "in->y_ref, 0.01802f, 0.031f,")
     assert wait_on_the_stop(rig) < 0.02 < 0.05 < wait_on_the_stop(planted)  # A
 
 
