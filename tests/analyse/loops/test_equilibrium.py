@@ -141,7 +141,7 @@ def test_a_loop_without_an_equilibrium_is_refused() -> None:
         at(0.1, toggles=True)
     with pytest.raises(
         ModelError,
-        match=r"'held' raises fault_q, latched at rest, .*: rest within .* q in -0.5 .. 0.5 m",
+        match=r"'held' would balance where sensor 'q' reads 0.7 of -0.5 .. 0.5 m, which the guard refuses",
     ):
         at(0.7)
     near = operating_points.trim(levitation_plant(), {"gap": 0.1}, ["i"])

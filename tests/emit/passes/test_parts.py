@@ -302,11 +302,11 @@ def test_what_others_do_not_read_is_not_computed(monkeypatch: pytest.MonkeyPatch
     assert differing(watched()) == 0
     contexts = parts._contexts
 
-    def turned(p: Program) -> list[frozenset[tuple[int, bool]] | None]:
+    def opposite(p: Program) -> list[frozenset[tuple[int, bool]] | None]:
         return [of and frozenset((k, not holds) for k, holds in of) for of in contexts(p)]
 
-    monkeypatch.setattr(parts, "_contexts", turned)  # the planted defect: 0 on the side that reads it
-    assert differing(replace(watched(), name="turned")) > 100
+    monkeypatch.setattr(parts, "_contexts", opposite)  # the planted defect: 0 on the side that reads it
+    assert differing(replace(watched(), name="opposite")) > 100
 
 
 def test_a_function_compares_its_own_counts_itself(monkeypatch: pytest.MonkeyPatch) -> None:
