@@ -165,7 +165,8 @@ def emitted_c(controller: host.Controller) -> Witness:
     def step(states: Columns, inputs: Columns) -> StepResults:
         n = len(next(iter(inputs.values())))
         records = np.zeros(n, controller.state)
-        for name in (name for name in states if not name.endswith("reserved")):  # a filler of the other scalar type
+        fillers = {n for n in states if n.endswith("reserved")} - {*(controller.state.names or ())}  # of the other type
+        for name in states.keys() - fillers:
             records[name] = states[name]
         batch = controller.batch(records, inputs)
         return StepResults(batch.outputs, host.columns(batch.states), batch.faults)

@@ -197,8 +197,7 @@ SCHEMA: dict[str, Any] = {
     "period_s": float,
     "scalar": str,
     "functions": {"init": str, "step": str},
-    "structs": {role: {"type": str, "size": int, "fields": [FIELD]} for role in ("input", "output")}
-    | {"state": {"type": str, "size": int, "fields": [dict]}},
+    "structs": {role: {"type": str, "size": int, "fields": [FIELD]} for role in ("input", "output", "state")},
     "faults": [dict],
     "safety": {"bad_samples": int, "safe_output": dict, "slew_per_s": dict, "safe_output_effect": str},
     "numbers": dict,
@@ -224,7 +223,9 @@ def misfits(value: Any, schema: Any, where: str = "") -> list[str]:
 def test_the_document_matches_its_schema() -> None:
     made = emit(stage(), np.float32, error=1e-5)
     document = json.loads(made.files["manifest.json"])
-    assert document == made.manifest and not misfits(document, SCHEMA) and document["surrogates"]
+    assert document == made.manifest
+    paths = [f.pop("path", None) for f in document["structs"]["state"]["fields"]]  # in the struct of its Block
+    assert "guard.left" in paths and not misfits(document, SCHEMA) and document["surrogates"]
     assert document["faults"] == [{"bit": 0, "input": "gap"}, {"bit": 1, "input": "wish"}, {"bit": 31, "latched": True}]
     for wrong in ({"period_s": "1"}, {"surrogates": [{}]}, {"functions": {"init": "a"}}, {"more": 1}):
         assert misfits({**document, **wrong}, SCHEMA)
