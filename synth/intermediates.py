@@ -73,7 +73,10 @@ def record(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> tuple
         result = function(*args, **kwargs)
     finally:
         sys.settrace(tracer)
-        sys.setprofile(profiler)
+        if profiler is None or callable(profiler):
+            sys.setprofile(profiler)
+        else:  # that of cProfile, which no call can set again
+            profiler.enable()
     return result, tuple(names.values())
 
 

@@ -1,5 +1,6 @@
 """Intermediate values of a law get the names of the Python variables that hold them."""
 
+import cProfile
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -167,6 +168,16 @@ def test_an_error_leaves_the_profiler_as_it_was() -> None:
         assert sys.getprofile() is profiler and sys.gettrace() is tracer
     finally:
         sys.setprofile(before)
+
+
+def test_a_law_is_recorded_under_cprofile_which_goes_on() -> None:
+    def profiled() -> None:
+        intermediates.record(lambda: None)
+        sorted([2, 1])
+
+    profile = cProfile.Profile()
+    profile.runcall(profiled)
+    assert any("sorted" in str(entry.code) for entry in profile.getstats())
 
 
 def test_values_with_symbols_of_another_block_are_left_out() -> None:

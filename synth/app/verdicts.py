@@ -45,7 +45,6 @@ WITHOUT_RESULT = "runs of the study without a result"
 UNEXPLAINED = "published figures that differ without a reason"
 INSTRUCTIONS = "most instructions of a step"
 CODE, MEMORY = "bytes of code and constants", "bytes of memory in a step"
-AT_ONCE = "both"  # the group of all actuators and sensors of `robustness.Loops.groups`
 SHOWN = 3  # places that the text of a check names, and faults that are listed with their impact
 
 
@@ -57,19 +56,7 @@ def survey(stage: Stage) -> Survey | None:
         return None
     if stage.loops:
         return _own_loops(stage.loops(stage))
-    loops, at_rest = _at_rest(stage)
-    nominal, varied = (
-        [rest for rest in at_rest if (rest.case == robustness.NOMINAL) == is_nominal] for is_nominal in (True, False)
-    )
-    surveys = [
-        robustness.survey(loops, loops.groups, nominal),
-        robustness.survey(loops, {AT_ONCE: loops.groups[AT_ONCE]}, varied),
-    ]
-    return Survey(
-        [loop for each in surveys for loop in each.loops],
-        [unsolved for each in surveys for unsolved in each.unsolved],
-        {place: disks for each in surveys for place, disks in each.disks.items()},
-    )
+    return robustness.survey(*_at_rest(stage))
 
 
 def closed_loops(stage: Stage) -> list[robustness.ClosedLoop]:
@@ -105,7 +92,7 @@ def _own_loops(places: Sequence[robustness.LoopsAt]) -> Survey:
     loops = [robustness.OpenLoop(p, robustness.NOMINAL, s, L, stability_margins.of_loop(L)) for p, s, L in opened]
     unstable = {loop.point for loop in loops if not loop.margins.stable}
     stable = [at for at in places if at.place not in unstable]
-    return Survey(loops, (), {at.place: {AT_ONCE: disk.of_loop(at.open(at.at_once))} for at in stable})
+    return Survey(loops, (), {at.place: {robustness.AT_ONCE: disk.of_loop(at.open(at.at_once))} for at in stable})
 
 
 def margins(stage: Stage, loops: Survey | None) -> list[Check]:
@@ -131,9 +118,10 @@ def least_margins(stage: Stage, loops: Survey | None) -> dict[str, float]:
 
 def _disk_margin(loops: Survey, least: float) -> Check:
     """Return the least certified lower bound of the disk margin, with all actuators and sensors varied at once."""
-    bounds = {place: disks[AT_ONCE].lower for place, disks in loops.disks.items()} if not loops.lost else {}
+    bounds = {place: disks[robustness.AT_ONCE].lower for place, disks in loops.disks.items()} if not loops.lost else {}
     worst = min(bounds, key=lambda place: bounds[place], default="")
-    about = f"the least of {len(bounds)}, {worst}, all actuators and sensors at once" if bounds else "a loop is lost"
+    count = len({(loop.point, loop.case.text) for loop in loops.loops})
+    about = f"the least of {count}, {worst}, all actuators and sensors at once" if bounds else "a loop is lost"
     return Check(DISK.replace("_", " "), bounds.get(worst, 0.0), least, "1", about, at_least=True)
 
 

@@ -111,6 +111,7 @@ def examples() -> Mapping[str, Call]:
             "actuators": {"f": "c"},
             "delay": 1,
         },
+        "disk.least": {"loops": [stage], "below": 1.0},
         "plots.over_time": {"time": [0.0, 0.1], "signals": {"x": [0.0, 1.0]}, "units": {"x": "m"}},
         "equilibrium.SampledLoop": fields(resting_loop),
         "equilibrium.Equilibrium": fields(rest),

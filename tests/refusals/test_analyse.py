@@ -309,6 +309,7 @@ SIGNAL = [
     call(time_response.forced_response, "input 'f' has the shape (2,) or is not finite", inputs={"f": [1.0, np.nan]}),
     call(time_response.forced_response, "no inputs are given", inputs={}),
     call(disk.of_loop, "as many outputs as inputs", loop=([[-1.0]], [[1.0, 2.0]], [[1.0]])),
+    call(disk.least, "below is 0.0: it must be above 0", loops=[], below=0.0),
     call(equilibrium.SampledLoop, "'height' is not one of gap", sensors={"seen": "height"}),
     call(equilibrium.SampledLoop, "'torque' is not one of drive", actuators={"current": "torque"}),
     call(equilibrium.open_loop, "neither a sensor nor an actuator: name one of seen, current", signal="wish"),

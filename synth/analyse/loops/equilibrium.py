@@ -20,7 +20,7 @@ starting points that this module also gives.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import casadi as ca
@@ -103,12 +103,10 @@ class Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class Equations:
-    """The equilibrium equations, as functions of x, u and the controller's state; `scale` is that of the unknowns.
+class _Functions:
+    """The equilibrium equations of a loop, as functions of x, u, the controller's state and the `constants` of a case.
 
-    `residual` returns the change of each unknown in a period, relative to its scale, and `slope` its Jacobian with
-    respect to the scaled unknowns. `step` returns the controller's next state and the inputs that it commands, `flow`
-    the plant's next state.
+    The constants are the plant's parameters and the references; `scale` is that of the unknowns.
     """
 
     unknowns: tuple[Signal, ...]
@@ -120,25 +118,16 @@ class Equations:
     step: ca.Function
     flow: ca.Function
 
-    def trial(self, x: Array, u: Array, state: Array) -> Trial:
-        return Trial(x, u, state, np.asarray(self.residual(x, u, state)).ravel())
 
-    def displaced(self, at: Trial, by: Array) -> Trial:
-        n, m = len(at.x), len(self.actuated)
-        x, u, state = at.x + by[:n], at.u.copy(), at.state.copy()
-        u[self.actuated] += by[n : n + m]
-        state[self.real] += by[n + m :]
-        return self.trial(x, u, state)
-
-
-def of_loop(closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint) -> Equations:
+@lru_cache(maxsize=8)  # a loop comes to rest at many points, with many values of its constants
+def _functions(closed: SampledLoop) -> _Functions:
     plant, block, T = closed.plant, closed.controller, closed.controller.time.period_s
     x, u, c = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs)), ca.SX.sym("c", len(block.states))
-    outputs = dict(zip(signal_names(plant.outputs), ca.vertsplit(plant.h(x, u, near.p)), strict=True))
-    measured = [
-        outputs[closed.sensors[n]] if n in closed.sensors else references[n] for n in signal_names(block.inputs)
-    ]
-    next_state, y = block.function()(c, ca.vcat(measured))
+    p, r = ca.SX.sym("p", len(plant.parameters)), ca.SX.sym("r", len(closed.references))
+    outputs = dict(zip(signal_names(plant.outputs), ca.vertsplit(plant.h(x, u, p)), strict=True))
+    inputs = {n: outputs[y] for n, y in closed.sensors.items()}
+    inputs |= zip(closed.references, ca.vertsplit(r), strict=True)
+    next_state, y = block.function()(c, ca.vcat([inputs[n] for n in signal_names(block.inputs)]))
     commands = dict(zip(signal_names(block.outputs), ca.vertsplit(y), strict=True))
     actuated = [i for i, n in enumerate(signal_names(plant.inputs)) if n in closed.actuators]
     rows = [closed.mixing[plant.inputs[i].name] for i in actuated]
@@ -149,13 +138,11 @@ def of_loop(closed: SampledLoop, references: Mapping[str, float], near: Operatin
     unknowns = (*plant.states, *(plant.inputs[i] for i in actuated), *(block.states[i].signal for i in real))
     widths = np.array([s.high / 2 - s.low / 2 for s in unknowns])
     scale = np.where(np.isfinite(widths) & (widths > 0), widths, 1.0)
-    changes = (
-        ca.vertcat(T * plant.f(x, u, near.p), commanded[actuated] - u[actuated], next_state[real] - c[real]) / scale
-    )
+    changes = ca.vertcat(T * plant.f(x, u, p), commanded[actuated] - u[actuated], next_state[real] - c[real]) / scale
     free = ca.vertcat(x, u[actuated], c[real])
     slope = ca.jacobian(changes, free) @ ca.diag(ca.DM(scale))
-    places = [x, u, c]
-    return Equations(
+    places = [x, u, c, ca.vertcat(p, r)]
+    return _Functions(
         unknowns,
         np.array(actuated, dtype=int),
         np.array(real, dtype=int),
@@ -163,11 +150,11 @@ def of_loop(closed: SampledLoop, references: Mapping[str, float], near: Operatin
         ca.Function("residual", places, [ca.densify(changes)]),
         ca.Function("slope", places, [ca.densify(slope)]),
         ca.Function("step", places, [ca.densify(next_state), ca.densify(commanded)]),
-        ca.Function("flow", [x, u], [_runge_kutta(plant, x, u, near.p, T)]),
+        ca.Function("flow", places, [_runge_kutta(plant, x, u, p, T)]),
     )
 
 
-def _runge_kutta(plant: Plant, x: ca.SX, u: ca.SX, p: Array, T: float) -> ca.SX:
+def _runge_kutta(plant: Plant, x: ca.SX, u: ca.SX, p: ca.SX, T: float) -> ca.SX:
     h = T / SUBSTEPS
     for _ in range(SUBSTEPS):
         k1 = plant.f(x, u, p)
@@ -177,13 +164,44 @@ def _runge_kutta(plant: Plant, x: ca.SX, u: ca.SX, p: Array, T: float) -> ca.SX:
     return x
 
 
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The equilibrium equations with the constants of a case.
+
+    `residual` returns the change of each unknown in a period, relative to its scale, and `slope` its Jacobian with
+    respect to the scaled unknowns. `step` returns the controller's next state and the inputs that it commands, `flow`
+    the plant's next state.
+    """
+
+    of_loop: _Functions
+    constants: Array
+
+    def values(self, function: ca.Function, x: Array, u: Array, state: Array) -> list[Array]:
+        """Return the results of one of the functions, scalars and columns as (k,)."""
+        return [np.asarray(v) for v in function.call([x, u, state, self.constants])]
+
+    def trial(self, x: Array, u: Array, state: Array) -> Trial:
+        return Trial(x, u, state, self.values(self.of_loop.residual, x, u, state)[0].ravel())
+
+    def displaced(self, at: Trial, by: Array) -> Trial:
+        n, m = len(at.x), len(self.of_loop.actuated)
+        x, u, state = at.x + by[:n], at.u.copy(), at.state.copy()
+        u[self.of_loop.actuated] += by[n : n + m]
+        state[self.of_loop.real] += by[n + m :]
+        return self.trial(x, u, state)
+
+
+def of_loop(closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint) -> Equations:
+    return Equations(_functions(closed), np.array([*near.p, *(references[n] for n in closed.references)]))
+
+
 def starting_points(equations: Equations, closed: SampledLoop, near: OperatingPoint) -> Iterator[Trial]:
     """Yield the simulated loop after some samples, with a command delay of one sample, as long as it is finite."""
     x, u, state = near.x.copy(), near.u.copy(), closed.controller.initial
     for before, until in pairwise((0, *START_SAMPLES)):
         for _ in range(before, until):
-            state, commanded = (np.asarray(v).ravel() for v in equations.step(x, u, state))
-            x, u = np.asarray(equations.flow(x, u)).ravel(), commanded
+            next_state, commanded = (v.ravel() for v in equations.values(equations.of_loop.step, x, u, state))
+            x, u, state = equations.values(equations.of_loop.flow, x, u, state)[0].ravel(), commanded, next_state
         if not (np.isfinite(x).all() and np.isfinite(u).all() and np.isfinite(state).all()):
             return
         yield equations.trial(x, u, state)
@@ -202,10 +220,10 @@ def rest_from(equations: Equations, trial: Trial) -> Trial:
 
 def _newton(equations: Equations, trial: Trial) -> Trial:
     for _ in range(ITERATIONS):
-        slope = np.asarray(equations.slope(trial.x, trial.u, trial.state))
+        slope = equations.values(equations.of_loop.slope, trial.x, trial.u, trial.state)[0]
         if not (np.isfinite(slope).all() and np.isfinite(trial.residual).all()):
             return trial
-        move = -equations.scale * np.linalg.lstsq(slope, trial.residual, rcond=RANK)[0]
+        move = -equations.of_loop.scale * np.linalg.lstsq(slope, trial.residual, rcond=RANK)[0]
         better = next(
             (t for t in (equations.displaced(trial, move / 2**i) for i in range(12)) if t.size < trial.size), None
         )
@@ -218,11 +236,11 @@ def _newton(equations: Equations, trial: Trial) -> Trial:
 def _step_counters(equations: Equations, trial: Trial) -> Trial | None:
     """Return the trial with counters and flags in their steady state, all else held; None if they have none."""
     state = trial.state.copy()
-    whole = np.setdiff1d(np.arange(len(state)), equations.real)
+    whole = np.setdiff1d(np.arange(len(state)), equations.of_loop.real)
     seen: set[bytes] = set()
     while state[whole].tobytes() not in seen and len(seen) < MOST_COUNTS:
         seen.add(state[whole].tobytes())
-        next_state = np.asarray(equations.step(trial.x, trial.u, state)[0]).ravel()
+        next_state = equations.values(equations.of_loop.step, trial.x, trial.u, state)[0].ravel()
         if np.array_equal(next_state[whole], state[whole]):
             return equations.trial(trial.x, trial.u, state)
         state[whole] = next_state[whole]
@@ -238,6 +256,8 @@ TOLERANCE = 1e-9  # of half the width of a signal's range; for a change, in one 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
     """Equilibrium of a loop: the plant's operating point, the controller's states and inputs, by name, in their units.
+
+    The parameters of the plant are those of `point`.
 
     `residual` is the largest error of an equation, or change in a period, relative to half the width of its signal's
     range.
@@ -300,7 +320,7 @@ def solve(closed: SampledLoop, references: Mapping[str, float], near: OperatingP
             if not (_raised_faults(rest) or _commands_at_limit(rest) or rest.point.outside):
                 return rest
             refused.append(rest)
-        if np.abs(trial.residual[: len(trial.x) + len(equations.actuated)]).max(initial=0.0) <= TOLERANCE:
+        if np.abs(trial.residual[: len(trial.x) + len(equations.of_loop.actuated)]).max(initial=0.0) <= TOLERANCE:
             balanced.append((trial.x, trial.u))
         least = trial if least is None or trial.size < least.size else least
     without_fault = [rest for rest in refused if not _raised_faults(rest)]
@@ -418,13 +438,13 @@ def _beyond_range(closed: SampledLoop, near: OperatingPoint, x: Array, u: Array)
 
 def _no_rest(closed: SampledLoop, equations: Equations, trial: Trial | None) -> NoEquilibriumError:
     what = f"the loop of plant '{closed.plant.name}' under '{closed.controller.name}'"
-    if trial is None or not np.isfinite(trial.residual).all() or len(trial.residual) < len(equations.unknowns):
+    if trial is None or not np.isfinite(trial.residual).all() or len(trial.residual) < len(equations.of_loop.unknowns):
         return NoEquilibriumError(
             f"{what} has no rest: it is not finite, or counts without end; start it closer to its trim"
         )
     worst = int(np.abs(trial.residual).argmax())
-    signal = equations.unknowns[worst]
-    change = trial.residual[worst] * equations.scale[worst]
+    signal = equations.of_loop.unknowns[worst]
+    change = trial.residual[worst] * equations.of_loop.scale[worst]
     return NoEquilibriumError(
         f"{what} does not rest: '{signal.name}' still changes by {change:.4g} {signal.unit} in a period at best; give "
         "references that its plant can rest at, or a controller that stabilises it there"

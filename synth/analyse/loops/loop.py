@@ -111,6 +111,7 @@ def _number(delay: float) -> float:
     return float(delay)
 
 
+@lru_cache(maxsize=8)  # a loop is opened at many signals
 def _sample_with_delay(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
     T = time.period_s
     if not isinstance(plant.time, Continuous):

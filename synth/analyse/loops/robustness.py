@@ -12,8 +12,7 @@ Sets of parameter values at the ends of their tolerances: the corners of a box (
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from types import MappingProxyType
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +73,7 @@ def _ends(plant: Plant, name: str) -> tuple[float, float]:
 
 
 NOMINAL = Case()
+AT_ONCE = "both"  # the group of all actuators and sensors
 DEAD_BEAT = 1e-6  # of |z|: a smaller pole is a delay
 
 Groups = Mapping[str, Sequence[str]]  # signals that vary at once, by name of the group
@@ -203,8 +203,8 @@ class ClosedLoop:
 class Survey:
     """The loops at all operating points and cases, and those points and cases that have no equilibrium.
 
-    `disks` has the disk margins where all loops are stable, by point and case, then by the name of the
-    group of signals that vary at once.
+    `disks` has the disk margins where all loops are stable, by point and case, then by the name of the group of signals
+    that vary at once: at all points of the nominal plant, and the least of the other cases where it is less.
     """
 
     loops: Sequence[OpenLoop]
@@ -252,7 +252,7 @@ class Loops:
     @property
     def groups(self) -> Groups:
         """The groups of signals that vary at once for the disk margins."""
-        return {"actuators": self.actuators, "sensors": self.sensors, "both": (*self.actuators, *self.sensors)}
+        return {"actuators": self.actuators, "sensors": self.sensors, AT_ONCE: (*self.actuators, *self.sensors)}
 
 
 @arguments.checked
@@ -321,7 +321,7 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL, near: Operati
     references = {s.name: values[s.of] for s in loops.interface.set_points}
     constants = loops.interface.constant_inputs(plant)
     references |= {name: case.values.get(name, value) for name, value in constants.items()}
-    return equilibrium.solve(replace(closed, plant=plant), references, trimmed)
+    return equilibrium.solve(closed, references, trimmed)
 
 
 @arguments.checked
@@ -391,25 +391,34 @@ def open_loops(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenL
 
 
 @arguments.checked
-def survey(loops: Loops, at_once: Groups = MappingProxyType({}), at_rest: Sequence[AtRest] | None = None) -> Survey:
+def survey(loops: Loops, at_rest: Sequence[AtRest] | None = None) -> Survey:
     """Return the loops opened at each of the equilibria, by default `equilibria`, and the points and cases without one.
 
     An unstable loop may have no equilibrium that can be found, since its samples do not lead to one. Where all loops
-    are stable, the disk margin with all signals of each group `at_once` is computed, too.
+    are stable, the disk margins of the nominal plant are computed for all groups, and of the other cases the one whose
+    disk margin of AT_ONCE is the least of all.
 
     Raises as `open_loops`, but no NoEquilibriumError.
     """
     opened: list[OpenLoop] = []
     unsolved: list[Unsolved] = []
     disks: dict[str, Mapping[str, disk.DiskMargin]] = {}
+    varied: dict[str, StateSpace] = {}
     for rest in equilibria(loops) if at_rest is None else at_rest:
         if rest.equilibrium is None:
             unsolved.append(Unsolved(rest.point, rest.case, rest.reason))
+            continue
+        here = [_open(rest.point, rest.case, signal, rest.equilibrium) for signal in loops.signals]
+        opened += here
+        if not all(loop.margins.stable for loop in here):
+            continue
+        if rest.case == NOMINAL:
+            disks[rest.label] = _disks(rest.equilibrium, loops.groups)
         else:
-            here = [_open(rest.point, rest.case, signal, rest.equilibrium) for signal in loops.signals]
-            opened += here
-            if at_once and all(loop.margins.stable for loop in here):
-                disks[rest.label] = _disks(rest.equilibrium, at_once)
+            varied[rest.label] = equilibrium.open_loop(rest.equilibrium, list(loops.groups[AT_ONCE]))
+    nominal = min((each[AT_ONCE].lower for each in disks.values()), default=np.inf)
+    if nominal and (least := disk.least(list(varied.values()), nominal)):
+        disks[list(varied)[least[0]]] = {AT_ONCE: least[1]}
     return Survey(opened, unsolved, disks)
 
 

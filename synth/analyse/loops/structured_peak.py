@@ -13,6 +13,9 @@ with scaled B, C and D. These eigenvalues divide the axis into intervals on each
 or above g. Intervals below g are finished; the others get the scaling of
 another point, until none remains. If a point there exceeds the peak, it becomes the peak. If another scaling gains
 little because two singular values meet, the level rises step by step.
+
+Of several models, the largest peak is computed alone. The same method shows that the others are below its level; models
+that differ little need the same few scalings.
 """
 
 from collections.abc import Sequence
@@ -33,6 +36,7 @@ AT_ONCE = 8  # bounds that are minimised together: so many take little longer th
 CLEAR = 1e-3  # of the peak: a bound that is so far below it is low enough
 CLIMBS, RISE = 2, 1e-7  # rounds towards the peak, and the least relative rise of one that another follows
 # (count, e): number of eigenvalue problems for the level (1 + e) peak before the next e is used.
+PROOFS = 12  # scalings at most by which a model that is below a level needs more than those before it
 LEVELS = ((4, 1e-6), (4, 1e-5), (4, 1e-4), (48, 1e-3), (16, 1e-2), (16, 1e-1))
 
 
@@ -95,6 +99,52 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
     Without `certify`, it is the largest on the grid and on more points around its peak.
     """
     M = transfer.schur_response(model)
+    return _peak(M, certify)
+
+
+def largest(models: Sequence[StateSpace], level: float) -> tuple[int, Peak] | None:
+    """Return which of some stable models has the largest peak above a level, and this peak; None where none has.
+
+    The peaks of the other models are proved to be no larger, but not computed.
+    """
+    best: tuple[int, Peak] | None = None
+    scalings: list[Array] = []
+    responses = [transfer.schur_response(model) for model in models]
+    points = [_balanced(M) for M in responses]
+    for k in sorted(range(len(models)), key=lambda k: -float(points[k].bound.max())):
+        if not (level and _is_below(responses[k], points[k], level, scalings)):
+            peak = _peak(responses[k], certify=True)
+            if peak.level > level:
+                best, level = (k, peak), peak.level
+    return best
+
+
+def _balanced(M: SchurResponse) -> _Points:
+    """Return the points of the grid with the bounds of balancing alone."""
+    w = grid(M.poles)
+    response = M.at(w)
+    scaling = ssv.osborne_scaling(response)
+    is_scalar = response.shape[1:] == (1, 1)
+    return _Points(w, response, ssv.gain(response, scaling), scaling, np.full(len(w), is_scalar))
+
+
+def _is_below(M: SchurResponse, points: _Points, level: float, scalings: list[Array]) -> bool:
+    """Tell whether mu is proved to be below a level at all frequencies: by `scalings`, to which others are added."""
+    level /= 1 + 2 * _rounding(M, points, [int(points.bound.argmax())])
+    undecided, known = [(0.0, np.inf)], len(scalings)
+    for k in range(known + PROOFS):
+        if k >= known:
+            place = _highest_inside(M, points, undecided[-1], (1 - CLEAR) * level)
+            if points.bound[place] > level:
+                return False
+            scalings.append(points.scaling[place])
+        undecided = _above(M, scalings[k], level, undecided)
+        if not undecided:
+            return True
+    return False
+
+
+def _peak(M: SchurResponse, certify: bool) -> Peak:
     points = _points(M, grid(M.poles))
     _climb(M, points)
     top = points.highest(points.w >= 0)
@@ -192,7 +242,7 @@ def _prove(M: SchurResponse, points: _Points) -> tuple[float, bool]:
                 break
             peak = float(points.bound[k])
         level = (1 + margin) * peak
-        undecided += _above(M, points.scaling[k], level, undecided.pop())
+        undecided += _above(M, points.scaling[k], level, [undecided.pop()])
         if not undecided:
             return level, True
     return peak, False
@@ -208,21 +258,22 @@ def _highest_inside(M: SchurResponse, points: _Points, interval: Interval, above
     return points.highest(inside, above)
 
 
-def _above(M: SchurResponse, x: Array, level: float, interval: Interval) -> list[Interval]:
-    """Return the parts of the interval where sigma_max(D M D^-1) is not below the level."""
-    a, b = interval
-    cuts = np.unique(np.abs(hamiltonian_eigenvalues(M, x, level).imag))
-    cuts = cuts[(cuts > a) & (cuts < b)]
-    ends = np.concatenate([[a], cuts[np.append(np.diff(cuts) > 1e-12 * cuts[1:], True)[: len(cuts)]], [b]])
-    middles = np.where(np.isinf(ends[1:]), 2 * ends[:-1] + M.size, 0.5 * (ends[:-1] + ends[1:]))
-    below = ssv.gain(M.at(middles), x) < level
-    intervals: list[Interval] = []
-    for low, high, done in zip(ends[:-1], ends[1:], below, strict=True):
-        if not done and intervals and intervals[-1][1] == low:
-            intervals[-1] = (intervals[-1][0], float(high))
-        elif not done:
-            intervals.append((float(low), float(high)))
-    return intervals
+def _above(M: SchurResponse, x: Array, level: float, intervals: Sequence[Interval]) -> list[Interval]:
+    """Return the parts of the intervals where sigma_max(D M D^-1) is not below the level."""
+    crossings = np.unique(np.abs(hamiltonian_eigenvalues(M, x, level).imag))
+    parts: list[Interval] = []
+    for a, b in intervals:
+        cuts = crossings[(crossings > a) & (crossings < b)]
+        ends = np.concatenate([[a], cuts[np.append(np.diff(cuts) > 1e-12 * cuts[1:], True)[: len(cuts)]], [b]])
+        middles = np.where(np.isinf(ends[1:]), 2 * ends[:-1] + M.size, 0.5 * (ends[:-1] + ends[1:]))
+        below = ssv.gain(M.at(middles), x) < level
+        first = len(parts)
+        for low, high, done in zip(ends[:-1], ends[1:], below, strict=True):
+            if not done and len(parts) > first and parts[-1][1] == low:
+                parts[-1] = (parts[-1][0], float(high))
+            elif not done:
+                parts.append((float(low), float(high)))
+    return parts
 
 
 def hamiltonian_eigenvalues(M: SchurResponse, x: Array, level: float) -> Complex:

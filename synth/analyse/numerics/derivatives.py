@@ -48,8 +48,17 @@ class _Limit:
         return isinstance(self.value, float) and isinstance(self.slope, float)
 
 
-def _either(condition: Values, a: _Limit, b: _Limit) -> tuple[Values, Values]:
+def _either(condition: NDArray[np.bool_], a: _Limit, b: _Limit) -> tuple[Values, Values]:
     return np.where(condition, a.value, b.value), np.where(condition, a.slope, b.slope)
+
+
+def _excess(a: _Limit, b: _Limit) -> Array:
+    """Return a - b beside the point; where rounding leaves nothing of it, the difference of their slopes."""
+    difference = a.beside - b.beside
+    return np.where(difference == 0, a.slope - b.slope, difference)
+
+
+ZERO = _Limit(0.0, 0.0, np.zeros(1))
 
 
 def _remainder(beside: Array, a: _Limit, b: _Limit) -> tuple[Values, Values]:
@@ -60,10 +69,10 @@ def _remainder(beside: Array, a: _Limit, b: _Limit) -> tuple[Values, Values]:
 # Of each operation that switches: its value and slope, from its value beside the point and its arguments.
 SWITCHES: Mapping[int, Callable[..., tuple[Values, Values]]] = {
     **dict.fromkeys((ca.OP_LT, ca.OP_LE, ca.OP_SIGN, ca.OP_FLOOR, ca.OP_CEIL), lambda beside, *_: (beside, 0.0)),
-    ca.OP_FABS: lambda _, a: (np.sign(a.beside) * a.value, np.sign(a.beside) * a.slope),
+    ca.OP_FABS: lambda _, a: (np.sign(_excess(a, ZERO)) * a.value, np.sign(_excess(a, ZERO)) * a.slope),
     ca.OP_COPYSIGN: lambda beside, a, _: (np.sign(beside * a.beside) * a.value, np.sign(beside * a.beside) * a.slope),
-    ca.OP_FMIN: lambda _, a, b: _either(a.beside < b.beside, a, b),
-    ca.OP_FMAX: lambda _, a, b: _either(a.beside > b.beside, a, b),
+    ca.OP_FMIN: lambda _, a, b: _either(_excess(a, b) < 0, a, b),
+    ca.OP_FMAX: lambda _, a, b: _either(_excess(a, b) > 0, a, b),
     # It jumps by 2 pi where the first is 0 and the second negative.
     ca.OP_ATAN2: lambda beside, a, b: (beside, (b.value * a.slope - a.value * b.slope) / (a.value**2 + b.value**2)),
     ca.OP_FMOD: _remainder,
@@ -155,7 +164,7 @@ class _Derivatives:
     """Jacobians of a model, its results as one function f of one argument, and whether operations of f switch.
 
     `sides` returns for each of these the number whose value, or with `by_sign` whose sign, says which branch it takes;
-    it is None where an operation has no such number. `depends` tells on which arguments each has a slope.
+    it is None where an operation has no such number.
     """
 
     jacobians: ca.Function
@@ -163,7 +172,6 @@ class _Derivatives:
     switches: bool
     sides: ca.Function | None
     by_sign: NDArray[np.bool_]
-    depends: NDArray[np.bool_]
 
 
 @lru_cache(maxsize=8)  # a Block or a plant is linearised at many points
@@ -176,12 +184,17 @@ def _derivatives(model: ca.Function) -> _Derivatives:
     operations, terms = [f.instruction_id(k) for k in range(f.n_instructions())], ca.vertsplit(f.instructions_sx())
     switches = [(op, term) for op, term in zip(operations, terms, strict=True) if op in SWITCHES]
     by_sign = np.array([op in BY_SIGN for op, _ in switches], dtype=bool)
-    jacobians, none = ca.Function("jacobians", args, exprs), np.zeros((len(switches), z.numel()), dtype=bool)
+    jacobians = ca.Function("jacobians", args, exprs)
     if ca.OP_CALL in operations or not all(op in SIDES for op, _ in switches):
-        return _Derivatives(jacobians, f, bool(switches), None, by_sign, none)
+        return _Derivatives(jacobians, f, bool(switches), None, by_sign)
     sides = ca.Function("sides", f.sx_in(), [ca.densify(ca.vcat([SIDES[op](term) for op, term in switches]))])
-    depends = np.array(ca.DM(sides.jac_sparsity(0, 0), 1)).astype(bool) if switches else none
-    return _Derivatives(jacobians, f, bool(switches), sides, by_sign, depends)
+    return _Derivatives(jacobians, f, bool(switches), sides, by_sign)
+
+
+@lru_cache(maxsize=8)
+def _slopes(sides: ca.Function) -> ca.Function:
+    symbol = sides.sx_in()[0]
+    return ca.Function("slopes", [symbol], [ca.densify(ca.jacobian(sides(symbol), symbol))])
 
 
 def _moves(
@@ -199,14 +212,20 @@ def _moves(
 
 
 def _takes_one_branch(of_model: _Derivatives, z: Array, D: Array) -> bool:
-    """Tell whether all operations that switch take one branch, at z and beside it: f has CasADi's derivative there."""
+    """Tell whether all operations that switch take one branch, at z and beside it: f has CasADi's derivative there.
+
+    So it has where both branches have one value and one slope.
+    """
     if of_model.sides is None:
         return False
     at = z[:, None] + np.column_stack([np.zeros(len(z)), 2 * NEAR * D])
     sides = column_maps.map_columns(of_model.sides, at)[0]
     sides = np.where(of_model.by_sign[:, None], np.sign(sides), sides)
-    tied = of_model.by_sign & (sides[:, 0] == 0) & of_model.depends[:, D.any(axis=1)].any(axis=1)
-    return bool((sides == sides[:, :1]).all() and not tied.any())
+    if (sides != sides[:, :1]).any():
+        return False
+    tied = of_model.by_sign & (sides[:, 0] == 0)
+    # A number that is 0 beside the point, too, may be rounded: its slope decides.
+    return not tied.any() or not np.asarray(_slopes(of_model.sides)(z))[tied][:, D.any(axis=1)].any()
 
 
 def _changes(f: ca.Function, z: Array, widths: Array, first: Array, second: Array, D: Array) -> _Changes:

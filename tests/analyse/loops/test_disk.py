@@ -1,5 +1,7 @@
 """Disk margins against a random search for destabilising factors, python-control and poles."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -112,8 +114,32 @@ def test_a_certificate_of_one_interval_only_is_detected(monkeypatch: pytest.Monk
     destabilising = search_least_delta(loop, 0.0)[0]
     monkeypatch.setattr(structured_peak, "grid", lambda poles: np.array([0.0, 1e-3, 20.0, 1e3, np.inf]))
     monkeypatch.setattr(structured_peak, "_climb", lambda M, points: None)
-    monkeypatch.setattr(structured_peak, "_above", lambda M, x, level, interval: [])
+    monkeypatch.setattr(structured_peak, "_above", lambda M, x, level, intervals: [])
     assert not holds(disk.of_loop(loop), destabilising)
+
+
+@pytest.mark.parametrize("sampled", [False, True])
+def test_the_least_of_several_loops_is_that_of_each_alone(sampled: bool) -> None:
+    """Ten loops with their gains changed by up to 10 %, and three that differ more."""
+    loop = feedback_loop.close(*lqg_pair(3, sampled, 5)).Li
+    loops = [replace(loop, B=loop.B * np.random.default_rng(k).uniform(0.9, 1.1, 3)) for k in range(10)]
+    loops += [feedback_loop.close(*lqg_pair(3, sampled, seed)).Li for seed in (5, 6, 7)]
+    margins = [disk.of_loop(each).lower for each in loops]
+    worst = int(np.argmin(margins))
+    least = disk.least(loops, np.inf)
+    assert least is not None and least[0] == worst and least[1].lower == pytest.approx(margins[worst], rel=LEVEL)
+    others = [each for k, each in enumerate(loops) if k != worst]
+    assert disk.least(others, margins[worst]) is None and disk.least([], np.inf) is None
+
+
+def test_a_loop_that_is_cleared_without_proof_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A planted defect: intervals above the level count as finished, and a peak off the grid is missed."""
+    loop = feedback_loop.close(*lqg_pair(3, False, 5)).Li
+    below = 1.02 * disk.of_loop(loop).lower
+    monkeypatch.setattr(structured_peak, "grid", lambda poles: np.array([0.0, 1e-3, 20.0, 1e3, np.inf]))
+    assert disk.least([loop], below) is not None
+    monkeypatch.setattr(structured_peak, "_above", lambda M, x, level, intervals: [])
+    assert disk.least([loop], below) is None
 
 
 def test_where_singular_values_meet_the_level_is_raised_until_the_axis_is_covered() -> None:

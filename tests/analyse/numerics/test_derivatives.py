@@ -227,6 +227,11 @@ def test_a_point_that_takes_one_branch_has_the_slopes_that_its_directions_have(m
     for model, place in zip(quick, places, strict=True):
         np.testing.assert_allclose(model.A, at(plant, force, *place).A, rtol=1e-12, atol=1e-12)
     monkeypatch.setattr(derivatives, "_takes_one_branch", recorded)
+    equal = lambda z, v, u: ca.fmax(ca.if_else(u > -0.5, 0, z), 0) + u  # noqa: E731
+    assert at(mass(equal), equal).B.tolist() == [[0.0], [1.0]] and decisions[-1]  # limits with one slope on both sides
+    hidden = lambda z, v, u: ca.fmax(1 + 1e-5 * z, 1)  # noqa: E731  # 1 + 2e-17 is rounded to 1
+    with pytest.raises(ModelError, match="has the slope 0 below and 1e-05 above z = 0"):
+        at(mass(hidden), hidden)
     for kink in ({"z": 0.1, "v": 0.3, "u": 0.2}, {"z": -0.5, "v": 0.0}, {"z": 0.5, "v": 0.1, "u": 0.5}):
         with pytest.raises(ModelError):
             at(plant, force, **kink)
