@@ -28,6 +28,7 @@ import casadi as ca
 from models import pmlsm, slotted_field
 from synth.block import Constant
 from synth.errors import ModelError
+from synth.law import label
 from synth.plant import Plant, build, symbols
 from synth.signals import Parameter, Signal
 
@@ -218,6 +219,7 @@ def direct_currents(
     forces = half_forces(w, x, half, (s1, s2, s3, s4), p)
     _, d, e, odd, even = forces.values()
     currents = {"i_d1": s1 * (odd - d), "i_d2": s2 * (even + e), "i_d3": s3 * (odd + d), "i_d4": s4 * (even - e)}
+    label(d=d, s1=s1, s2=s2, s3=s3, s4=s4, e=e, half=half)
     return DirectCurrents(currents, forces)
 
 
@@ -232,6 +234,7 @@ def half_forces(w: Exprs, x: Exprs, half: Sequence[ca.SX], shares: Sequence[ca.S
     e = p["I_z"] / (2 * p["r"]) * (w["theta"] + p["k_s_theta"] * x["theta"]) + (half[1] - half[3])
     odd = ((s2 + s4) * n + (s2 - s4) * e - (s3 - s1) * d) / (s1 + s3 + (s2 + s4))
     even = n - odd
+    label(s1=s1, s2=s2, s3=s3, s4=s4)
     return {
         "half_force": n,
         "half_force_phi": d,
@@ -245,6 +248,7 @@ def thrust_currents(w: Exprs, motors: Sequence[pmlsm.ForceLaw], p: Exprs) -> dic
     """Return u_x, u_z in A for which x'', z'' = `w` in m/s^2. Source: (12)."""
     h = [m.h for m in motors]
     h_x, h_z = h[1] + h[3], h[0] + h[2]
+    label(h_x=h_x, h_z=h_z)
     return {"u_x": -p["M_x"] * w["x"] / h_x, "u_z": -p["M_z"] * w["z"] / h_z}
 
 

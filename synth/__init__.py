@@ -11,6 +11,7 @@ Models
 Controllers for the C
     Block, State, Constant     a step function of a sampled system with bounded states
     build_block, Step          build one from a function
+    label                      name expressions in that function for the C
     compose                    wire Blocks by the names of their signals
 
 Packages

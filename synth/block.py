@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import arguments, intermediates, show
+from synth import arguments, show
 from synth import law as laws
 from synth.errors import SignalError, TimingError
 from synth.fault import LATCH_BIT, Failure, Fault, Safety
@@ -101,7 +101,7 @@ class Block:
 
     `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
     a latch. `numbers` are those in the expressions that C names and `notes` sentences that it has, by the name of their
-    Block, and `intermediates` the values that its law's variables hold. `failures` are rows of the header's table.
+    Block, and `labels` the names of expressions. `failures` are rows of the header's table.
     """
 
     name: str
@@ -118,7 +118,7 @@ class Block:
     faults: tuple[Fault, ...] = field(default=())
     safety: Safety | None = None
     numbers: tuple[tuple[str, Constant], ...] = ()
-    intermediates: tuple[tuple[str, ca.SX], ...] = ()
+    labels: tuple[tuple[str, ca.SX], ...] = ()
     failures: tuple[Failure, ...] = ()
     notes: tuple[tuple[str, str], ...] = ()
 
@@ -246,7 +246,7 @@ def build(
         _pick(name, "states", symbol, states),
         _pick(name, "constants", symbol, constants),
     )
-    step, values = intermediates.record(laws.evaluate, f"the law of block '{name}'", law, u, x, k)
+    step, labels = laws.collect_labels(laws.evaluate, f"the law of block '{name}'", law, u, x, k)
     if not isinstance(step, Step):
         raise SignalError(f"the law of block '{name}' returns {arguments.describe(step)}: return a Step")
     laws.require_names(f"block '{name}': outputs", [s.name for s in outputs], step.output)
@@ -261,10 +261,10 @@ def build(
     laws.check_symbols(f"block '{name}'", [*next.values(), *(e for _, e in computed)], symbol.values())
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
     numbers, notes = tuple((name, n) for n in step.numbers), tuple((name, n) for n in step.notes)
-    values = tuple((n, e) for n, e in values if not laws.foreign_symbols(e, symbol.values()))
+    laws.check_symbols(f"block '{name}'", [e for _, e in labels], symbol.values())
     return Block(
         name, tag, time, *declared, symbol, output, next, tuple(computed),
-        numbers=numbers, intermediates=values, notes=notes,
+        numbers=numbers, labels=labels, notes=notes,
     )  # fmt: skip
 
 

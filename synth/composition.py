@@ -55,11 +55,11 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
             ca.substitute(exprs, signal_symbols, exprs_of_signals) if exprs else [],
             strict=True,
         )
-    intermediates: list[tuple[str, ca.SX]] = []
+    labels: list[tuple[str, ca.SX]] = []
     for b in blocks:
-        exprs = _substitute_inputs(b, symbol, [e for _, e in b.intermediates])
+        exprs = _substitute_inputs(b, symbol, [e for _, e in b.labels])
         exprs = ca.substitute(exprs, signal_symbols, exprs_of_signals) if exprs else []
-        intermediates += zip((n for n, _ in b.intermediates), exprs, strict=True)
+        labels += zip((n for n, _ in b.labels), exprs, strict=True)
     constants = tuple(c for b in blocks for c in b.constants)
     symbols = {s: symbol[s] for s in open_inputs} | {
         n: b.symbol[n] for b in blocks for n in _state_and_constant_names(b)
@@ -83,7 +83,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         faults,
         _safety(name, blocks, {s: _origin(s, definitions, symbol) for s in outputs}),
         tuple(pair for b in blocks for pair in b.numbers),
-        tuple(intermediates),
+        tuple(labels),
         tuple(f for b in blocks for f in b.failures),
         tuple(pair for b in blocks for pair in b.notes),
     )

@@ -1,11 +1,16 @@
-"""Evaluation of a user's symbolic function, with errors that name the Block or plant.
+"""Evaluation of a user's symbolic function, with errors that name the Block or plant, and names of its expressions.
 
 The function runs once, before any signal has a value. `if u > 0`, `max(u, 0)` and `u > 0 and u < 1` need the truth
 value of a symbol, which CasADi refuses; `math.sin(u)` needs a float and gets NaN.
+
+    error = u["r"] - u["y"]
+    label(error=error)          the C computes `error`, too
 """
 
+import dataclasses
 import traceback
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextvars import ContextVar
 from numbers import Real
 from typing import Any, ParamSpec, TypeVar
 
@@ -13,15 +18,20 @@ import casadi as ca
 
 from synth import arguments
 from synth.errors import SignalError
+from synth.signals import identifier
 
 P = ParamSpec("P")
 R = TypeVar("R")
+Labels = tuple[tuple[str, ca.SX], ...]
 
 DECISION = (
     "use ca.if_else(condition, value, otherwise) for `if`, ca.fmax and ca.fmin for max and min, ca.logic_and, "
     "ca.logic_or and ca.logic_not for `and`, `or` and `not`"
 )
 INDEX = "look a number up with block.table, and repeat with a count that is a number"
+ONE_DIGIT = 9  # rows or columns of a matrix whose elements have both indices without an underscore between them
+
+_LABELS: ContextVar[dict[int, tuple[str, ca.SX]] | None] = ContextVar("labels", default=None)
 
 
 class NamedSymbols(dict[str, ca.SX]):
@@ -72,6 +82,67 @@ def evaluate(what: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwa
         if remedy := _remedy(str(error)):
             raise SignalError(f"{what} needs the value of a symbol{_line(error)}: {remedy}") from error
         raise
+
+
+def collect_labels(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> tuple[R, Labels]:
+    """Return the result of a law, and the scalar expressions that it labels with their names, each once."""
+    labels: dict[int, tuple[str, ca.SX]] = {}
+    token = _LABELS.set(labels)
+    try:
+        return function(*args, **kwargs), tuple(labels.values())
+    finally:
+        _LABELS.reset(token)
+
+
+@arguments.checked
+def label(*of: str, **expressions: Any) -> None:
+    """Name expressions of a law for its C, in which the variables that hold them then have these names.
+
+        label(error=error)                      error
+        label("x", error=error)                 error_x
+        label(force={"x": f_x, "z": f_z})       force_x, force_z; so do the fields of a dataclass
+        label(J=ca.vertcat(a, b))               J_1, J_2; so do the items of a list, and J_12 is one of a matrix
+
+    The last name of an expression counts: a law renames what its functions have named. Inputs, states, constants and
+    numbers keep their own names. Outside the law of a Block nothing happens.
+
+    Raises SignalError for a name that is no identifier of C, and for what is no expression of CasADi's SX.
+    """
+    labels = _LABELS.get()
+    for name, value in expressions.items():
+        for full_name, expr in _scalars("_".join((name, *of)), value):
+            identifier("label", full_name)
+            if labels is not None and not (expr.is_constant() or expr.is_symbolic()):
+                labels[expr.element_hash()] = full_name, expr
+
+
+def _scalars(name: str, value: Any) -> Iterator[tuple[str, ca.SX]]:
+    """Yield the scalar expressions of a value with their names."""
+    if isinstance(value, ca.SX):
+        yield from _elements(name, value)
+    elif isinstance(value, Mapping | tuple | list) or (dataclasses.is_dataclass(value) and not isinstance(value, type)):
+        for key, item in _items(value).items():
+            yield from _scalars(key if key.startswith(f"{name}_") else f"{name}_{key}", item)
+    elif not isinstance(value, Real):
+        raise SignalError(f"label '{name}' is of {arguments.describe(value)}: give expressions of CasADi's SX")
+
+
+def _items(value: Any) -> dict[str, Any]:
+    if isinstance(value, Mapping):
+        return {str(key): item for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        keys = getattr(value, "_fields", None) or [str(n) for n in range(1, len(value) + 1)]
+        return dict(zip(keys, value, strict=True))
+    return {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+
+
+def _elements(name: str, matrix: ca.SX) -> Iterator[tuple[str, ca.SX]]:
+    rows, columns = matrix.shape
+    between = "" if max(rows, columns) <= ONE_DIGIT else "_"
+    for i in range(rows):
+        for j in range(columns):
+            index = f"{i + 1}{between}{j + 1}" if min(rows, columns) > 1 else f"{max(i, j) + 1}"
+            yield (name if rows == columns == 1 else f"{name}_{index}"), matrix[i, j]
 
 
 def _remedy(message: str) -> str:

@@ -23,7 +23,7 @@ STRATA = (  # of synth, the lowest first; each imports only itself and those bef
     "export", "app", "testing",
 )  # fmt: skip
 VOCABULARY = (  # modules at the top of synth, below all strata but `base`, which needs their errors alone
-    "errors", "kinds", "arguments", "numeric", "check", "show", "signals", "timing", "law", "intermediates", "plant",
+    "errors", "kinds", "arguments", "numeric", "check", "show", "signals", "timing", "law", "plant",
     "resolvent", "statespace", "fault", "block", "composition",
 )  # fmt: skip
 RANK = {("synth", "errors"): -1, ("synth", "base"): -1}

@@ -49,6 +49,7 @@ from synth.blocks.estimate.glsdc import NamedExpressions
 from synth.blocks.guard import safety
 from synth.composition import compose
 from synth.fault import Fault
+from synth.law import label
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 
@@ -110,12 +111,15 @@ def commutation(plant: Plant, samples: float = ADVANCE) -> Block:
                 distance.value, -wave, n, named, sqrt(2)
             )  # th is 90 degrees less its angle
             waves[n] = phasor.Phasor(turned.sine, turned.cosine)
+            label(n, wave=waves[n])
         direct, waves, next = _handover(u, x, [u[s.name] for s in lost.values()], waves)
         output: dict[str, ca.SX] = {}
         for j, n in zip(MOTORS, maglev_phases.ALONG, strict=True):
             current = phasor.Phasor(direct[j], u[f"i_q{j}_held"]).times(waves[n])
             half, other = current.cosine / 2, sqrt(3) / 2 * current.sine
             output |= {f"i_a{j}": current.cosine, f"i_b{j}": other - half, f"i_c{j}": -half - other}
+            label(str(j), current=current, half=half, other=other)
+        label(kept=waves, direct=direct)
         return Step({s.name: clip(output[s.name], s) for s in PHASES}, next, named, certified, numbers)
 
     return build(
@@ -150,6 +154,8 @@ def _handover(
     for n, wave in waves.items():
         share = whole * (1 - part[n])
         kept[n] = phasor.Phasor(*(ca.if_else(active, share * v, v) for v in (wave.cosine, wave.sine)))
+        label(n, share=share)
+    label(whole=whole, part=part, active=active, both=both)
     return direct, kept, {"transfer": ca.if_else(active, next, 0), "unknown": ca.if_else(active, unknown, 0)}
 
 

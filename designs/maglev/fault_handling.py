@@ -37,6 +37,7 @@ from synth.blocks.faults import innovation_monitor, landing, probe, redundancy
 from synth.blocks.faults.redundancy_decision import jump_gate
 from synth.blocks.guard import missed_calls
 from synth.fault import Fault
+from synth.law import label
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 from synth.synthesise import digits
@@ -114,6 +115,7 @@ def predict_gaps(plant: Plant) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         y, r_phi, r_theta = u["y_expected"], r.value * u["phi_expected"], r.value * u["theta_expected"]
         gaps = (y - r_phi, y + r_theta, y + r_phi, y - r_theta)
+        label(r_phi=r_phi, r_theta=r_theta)
         return Step({f"y{j}_expected": g for j, g in zip(MOTORS, gaps, strict=True)}, numbers=[r])
 
     outputs = [replace(s, name=f"y{j}_expected", low=-1.0, high=1.0) for j, s in zip(MOTORS, HELD, strict=True)]
@@ -133,6 +135,7 @@ def accelerations(plant: Plant) -> Block:
         motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
         thrust = {f"u_{n}": u[s.name] for n, s in zip("xz", currents, strict=True)}
         accelerations = maglev_stage.thrust_accelerations(thrust, motors, values)
+        label(motors=motors)
         return Step({f"a_{n}": a for n, a in accelerations.items()}, numbers=maglev_stage.inverse_masses(plant))
 
     outputs = [acceleration(a) for a in AXES if a.excess]
@@ -169,6 +172,7 @@ def sufficiency() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         one = ca.logic_or(u["x_trusted"], u["z_trusted"])
         free = ca.logic_and(u["regular"], u[height.name] < LIFTED)
+        label(one=one, free=free)
         return Step({"sufficient": ca.logic_and(u["gaps_sufficient"], one), "free": free}, numbers=[lifted])
 
     lifted = Constant("lifted", LIFTED, "m", "at a larger gap a stop may hold the platen")
@@ -185,6 +189,7 @@ def positions_to_commutate() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         lost = {n: ca.logic_and(u["latched"], ca.logic_not(u[f"{n}_trusted"])) for n in COMMUTATED}
         positions = {s.name: ca.if_else(lost[n], LOST, u[f"{n}_held"]) for n, s in COMMUTATED.items()}
+        label(lost=lost)
         return Step(positions, numbers=[Constant("not_known", LOST, "m", "outside the range of x and z: it is lost")])
 
     flags = [Signal(f, "1", 0, 1) for f in ("latched", *(f"{n}_trusted" for n in COMMUTATED))]

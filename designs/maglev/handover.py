@@ -20,6 +20,7 @@ import casadi as ca
 from designs.maglev.platen import AXES, COMMUTATED, CURRENT, INTERFACE, MOTORS, TIME
 from models import maglev_phases
 from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.law import label
 from synth.signals import Signal
 
 FADE = 25  # samples: 2.5 A at the slew rate of 100 A/s
@@ -52,12 +53,14 @@ def next_transfer(transfer: ca.SX, x_lost: ca.SX, z_lost: ca.SX, stays: ca.SX) -
     """Return the transfer of this sample from that of the sample before, unless it stays."""
     direction = ca.if_else(x_lost, 1, ca.if_else(z_lost, -1, 0))
     target = ca.if_else(stays, transfer, direction)
+    label(direction=direction, target=target)
     return ca.fmax(ca.fmin(target, transfer + 1 / FADE), transfer - 1 / FADE)
 
 
 def parts(transfer: ca.SX) -> dict[str, ca.SX]:
     """Return the part of their direct currents that the motors along each axis hand over."""
     of_x, part = transfer > 0, ca.fabs(transfer)
+    label(transfer=transfer, of_x=of_x, part=part)
     return {"x": ca.if_else(of_x, part, 0), "z": ca.if_else(of_x, 0, part)}
 
 
@@ -79,6 +82,7 @@ def with_taken_over(
     for n in ("x", "z"):
         for j in OF_AXIS[n]:
             taken[j] = ca.fmax(ca.fmin(direct[j] + handed[n], room(quadrature[j])), -room(quadrature[j]))
+    label(handed=handed)
     return taken
 
 
@@ -107,6 +111,7 @@ def block() -> Block:
             of_thrust = room(u[f"u_{n}_computed"])
             named.append((Signal(f"room_{n}", "A", 0, CURRENT, "direct current beside the thrust"), of_thrust))
         next = {"transfer": ca.if_else(active, transfer, x["transfer"])}
+        label(lost=lost, stays=stays, transfer=transfer, part=part, active=active, remainder=remainder)
         return Step(output, next, named, numbers=NUMBERS, notes=NOTES)
 
     inputs = [*(_balanced(s) for s in DIRECT), *thrust, *trusted, height]

@@ -18,6 +18,7 @@ from models import maglev_stage, pmlsm
 from synth import stage
 from synth.block import Block, Exprs, Step, build
 from synth.declare.experiments import Sine
+from synth.law import label
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.stage import Actuator, Sensor, SetPoint
@@ -193,9 +194,10 @@ def errors() -> Block:
     return build("errors", TIME, law, inputs=inputs, outputs=[a.error for a in AXES], tag="tracking errors, F(14)")
 
 
-def limit_thrust(thrust: ca.SX, *direct: ca.SX) -> ca.SX:
+def limit_thrust(name: str, thrust: ca.SX, *direct: ca.SX) -> ca.SX:
     """Return the thrust current limited to sqrt(CURRENT^2 - i_d^2) of both of its motors."""
     room = ca.sqrt(CURRENT**2 - ca.fmax(direct[0] ** 2, direct[1] ** 2))
+    label(name, room=room)
     return ca.fmax(ca.fmin(thrust, room), -room)
 
 

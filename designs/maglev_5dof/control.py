@@ -23,6 +23,7 @@ from models import maglev_stage, pmlsm
 from synth import stage
 from synth.block import Block, Constant, Exprs, Step, build, clip
 from synth.blocks.laws import derivative_filter, regulator
+from synth.law import label
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 from synth.statespace import StateSpace
@@ -98,7 +99,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
         i_d = {n: clip(i, lifting) for n, i in direct.currents.items()}
         demand = maglev_stage.thrust_currents(w, motors, values)
         pairs = {"u_x": (i_d["i_d2"], i_d["i_d4"]), "u_z": (i_d["i_d1"], i_d["i_d3"])}
-        thrust = {n: platen.limit_thrust(demand[n], *pair) for n, pair in pairs.items()}
+        thrust = {n: platen.limit_thrust(n, demand[n], *pair) for n, pair in pairs.items()}
         output = {f"{n}_computed": i for n, i in (i_d | thrust).items()}
         output |= {f"excess_{n[-1]}": thrust[n] - demand[n] for n in thrust}
         named_signals = [
@@ -106,6 +107,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
         ]
         named_signals += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
         named_signals += [(Signal(n, "N", -1e6, 1e6), force) for n, force in direct.half_forces.items()]
+        label(motors=motors, squares=squares)
         return Step(output, named=named_signals, numbers=numbers)
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]

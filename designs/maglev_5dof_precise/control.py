@@ -43,6 +43,7 @@ from synth.blocks.faults import probe
 from synth.blocks.guard import safety
 from synth.blocks.laws import predictive_servo
 from synth.blocks.laws.axis_regulator import internal_weights
+from synth.law import label
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 from synth.statespace import StateSpace
@@ -168,8 +169,8 @@ def inversion(plant: Plant) -> Block:
         i_q = [clip(demand[name], thrusting) for name in maglev_stage.QUADRATURE]
         direct = inverse.direct_currents(w, {"phi": phi, "theta": theta}, i_q, motors, values)
         i_d = [clip(i, lifting) for i in direct.currents.values()]
-        limited = {"u_x": platen.limit_thrust(demand["u_x"], i_d[1], i_d[3])}
-        limited["u_z"] = platen.limit_thrust(demand["u_z"], i_d[0], i_d[2])
+        limited = {"u_x": platen.limit_thrust("u_x", demand["u_x"], i_d[1], i_d[3])}
+        limited["u_z"] = platen.limit_thrust("u_z", demand["u_z"], i_d[0], i_d[2])
         output = dict(zip((f"{s.name}_computed" for s in CURRENTS), [*i_d, *limited.values()], strict=True))
         thrust = maglev_stage.thrust_accelerations(limited, motors, values)
         named = [(Signal(n, "N", -1e6, 1e6), force) for n, force in direct.half_forces.items()]
@@ -177,6 +178,7 @@ def inversion(plant: Plant) -> Block:
         # All coefficients of a motor follow from these two, so only they become polynomials.
         named += [(Signal(f"thrust_per_ampere_{j}", "N/A", 0, 100), m.h) for j, m in enumerate(motors, 1)]
         named += [(Signal(f"half_a_over_h2_{j}", "A^2/N", 0, 100), m.ratio) for j, m in enumerate(motors, 1)]
+        label(motors=motors, tilts=tilts, i_q=i_q)
         return Step(output | {f"a_{n}": a for n, a in thrust.items()}, named=named, numbers=numbers)
 
     outputs = [*(INTERFACE.computed_output(s.name) for s in CURRENTS), *(acceleration(a) for a in AXES if a.excess)]

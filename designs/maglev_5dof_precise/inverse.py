@@ -19,6 +19,7 @@ import casadi as ca
 
 from models import maglev_stage, pmlsm
 from models.maglev_stage import DirectCurrents, Exprs
+from synth.law import label
 
 
 def direct_currents(
@@ -36,6 +37,7 @@ def direct_currents(
     currents = {
         f"i_d{j}": _current(f, m, b) for j, (f, m, b) in enumerate(zip(doubled, motors, squares, strict=True), 1)
     }
+    label(d=d, e=e, half=half, squares=squares, doubled=doubled)
     return DirectCurrents(currents, forces)
 
 

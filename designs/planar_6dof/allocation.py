@@ -44,6 +44,7 @@ from designs.planar_6dof.sensing import sections
 from models import lorentz_motor, planar_stage
 from models.planar_stage import force_constant, wrench
 from synth.block import Block, Constant, Exprs, Step, build, clip
+from synth.law import label
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -134,6 +135,10 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             k["psi_share"] * (Az - Bz),
         )
         output = dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *achieved), strict=True))
+        label(
+            angle=angle, y_current=y_current, limit_c=limit_c, C=C, yaw_current=yaw_current, limit_y=limit_y,
+            front_current=front_current, rear_current=rear_current, y_currents=y_currents, lifts=lifts,
+        )  # fmt: skip
         return Step(output, numbers=_current_limits(), notes=notes)
 
     inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *ACHIEVED], "motor currents, Table 3, (17)"
@@ -189,7 +194,9 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             middle = k["minus_half"] * alpha
             phases = (alpha, clip(middle + beta, PHASES[0]), clip(middle - beta, PHASES[0]))
             output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.PHASE_OFFSETS, phases, strict=True)}
+            label(motor, cos=cos, sin=sin, beta=beta, middle=middle)
         certified = dict.fromkeys(output, _phase_bound)
+        label(behind=behind, cos_aside=cos_aside, sin_aside=sin_aside, cc=cc, cs=cs)
         return Step(output, named=[*named, *named_front], certified=certified, numbers=numbers)
 
     return build(
@@ -225,4 +232,5 @@ def _cos_sin(name: str, distance: ca.SX, l: float) -> tuple[tuple[ca.SX, ca.SX],
         (Signal(f"distance_{name}", "m", -l, l, "distance to the middle of the pitch"), distance),
         (Signal(f"quarter_sine_{name}", "1", -1, 1), quarter_sine),
     ]
+    label(name, h=h, cos=cosine, sin=sine)
     return (cosine, sine), named

@@ -34,6 +34,7 @@ import numpy as np
 
 from designs.planar_6dof.sensing import sections as sensing
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
+from synth.law import label
 from synth.statespace import StateSpace, readonly
 from synth.synthesise.observers import kalman
 from synth.timing import Discrete
@@ -87,6 +88,7 @@ def block(axis: str, time: Discrete) -> Block:
         next = {n: ca.if_else(in_bounds, value, restart[n]) for n, (_, value) in zip("psh", limited, strict=True)}
         output = {axis: ca.if_else(in_bounds, now, u[raw.name]), predicted.name: x["p"]}
         bound = Constant("fastest", fastest, predicted.unit, "T times the speed beyond which the filter restarts")
+        label(a=a, e=e, now=now, in_bounds=in_bounds)
         return Step(output, next, limited, certified, [bound])
 
     about = {"p": "predicted position", "s": "predicted velocity times T", "h": "predicted acceleration times T^2/2"}

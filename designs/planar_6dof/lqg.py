@@ -36,6 +36,7 @@ from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.blocks.guard import following
+from synth.law import label
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace, readonly
@@ -151,6 +152,7 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
         now = ca.if_else(u[READY.name], x["x3"], -seen)
         after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["achieved"]
         estimated = now + seen + k["achieved_gain"] * x["achieved"]
+        label(now=now, seen=seen, estimated=estimated)
         return -estimated, {"x3": after}
 
     unit = vertical.DEMAND[axis.name].unit
@@ -191,6 +193,7 @@ def regulator(
             integral = ca.if_else(is_small, integral, decayed)
         demand = c["error_gain"] * error + (w + x["integral"])
         next = after | {"integral": integral, "achieved": u[achieved.name]}
+        label(w=w, error=error, after=after, decayed=decayed, demand=demand)
         return Step({demand_signal.name: demand, acting.name: x["achieved"]}, next, numbers=numbers, notes=notes)
 
     all_constants = [

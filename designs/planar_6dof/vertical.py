@@ -23,6 +23,7 @@ from designs.planar_6dof.allocation import ACHIEVED, AXES, BOX, DEMANDS
 from models import planar_stage
 from synth.block import Block, Exprs, Step, build
 from synth.blocks.laws import lead_lag as lead_lag_block
+from synth.law import label
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.synthesise.classical import lead_lag
@@ -71,6 +72,7 @@ def vertical_kinematics(plant: Plant, time: Discrete) -> Block:
         left, right, rear = (u[s.name] for s in DISTANCES)
         front_distance = (left + right) / 2
         tilts = {"theta": (rear - front_distance) / (2 * r), "psi": (left - right) / (2 * r)}
+        label(front_distance=front_distance)
         return Step({"z": (front_distance + rear) / 2} | tilts, numbers=[inverse])
 
     outputs = [POSITIONS[axis] for axis in ("z", "theta", "psi")]

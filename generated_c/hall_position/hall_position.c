@@ -156,8 +156,8 @@ typedef struct {
  *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
  *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
  *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
- *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
- *         bx_part_full, by_part_full
+ *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_ax_part_2^2), 1.001); likewise
+ *         ay_part_full, bx_part_full, by_part_full
  *     deviation_X = sigma_per_wave_number * sqrt(inverse_1 + by_yaw_X^2 * yaw_variance); likewise
  *         deviation_Y
  *     valid = integrity_good and (resolved and not lock_lost and (inside and complete))
@@ -221,13 +221,14 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float yaw_part_cosine = yaw_part_cosine_polynomial(yaw_part_cosine_argument);
     const float motion_x = state->motion_x;
     const float prediction_phase_x = state->phase_x + motion_x;
-    const float s_yaw = hall_position_limit(4.0f * (sine * yaw_part_cosine), 2.0f);
-    const float heading_cosine = 1.0f - (0.5f * (s_yaw * s_yaw));
-    const float arm_times_heading_cosine = arm * heading_cosine;
-    const float heading_sine = hall_position_limit(s_yaw * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))), 1.0f);
-    const float arm_times_heading_sine = arm * heading_sine;
-    const float limited_ax = hall_position_limit(prediction_phase_x - arm_times_heading_cosine + arm_times_heading_sine,
-        largest_phase);
+    const float ax_part_cosine_limited = hall_position_limit(4.0f * (sine * yaw_part_cosine), 2.0f);
+    const float ax_part_cosine_sum = 1.0f - (0.5f * (ax_part_cosine_limited * ax_part_cosine_limited));
+    const float arm_times_ax_part_cosine_sum = arm * ax_part_cosine_sum;
+    const float ax_part_cosine_limited_2 = hall_position_limit(ax_part_cosine_limited * (1.0f -
+        (0.125f * (yaw_part_sine * yaw_part_sine))), 1.0f);
+    const float ax_part_cosine_product = arm * ax_part_cosine_limited_2;
+    const float limited_ax = hall_position_limit(prediction_phase_x - arm_times_ax_part_cosine_sum +
+        ax_part_cosine_product, largest_phase);
     const float ax_part_cosine_argument = limited_ax * limited_ax;
     const float sine_2 = limited_ax * sine_2_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 8.0f * sine_2;
@@ -236,13 +237,13 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float ax_part_doubled = 8.0f *
         (sine_2_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
     /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
-    const float sines_2_ax = 8.0f * sine_2_times_ax_part_cosine;
-    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
+    const float sines_ax_part_2 = 8.0f * sine_2_times_ax_part_cosine;
+    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_ax_part_2 * sines_ax_part_2)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float motion_y = state->motion_y;
     const float prediction_phase_y = state->phase_y + motion_y;
-    const float limited_ay = hall_position_limit(prediction_phase_y - arm_times_heading_cosine - arm_times_heading_sine,
-        largest_phase);
+    const float limited_ay = hall_position_limit(prediction_phase_y - arm_times_ax_part_cosine_sum -
+        ax_part_cosine_product, largest_phase);
     const float ay_part_cosine_argument = limited_ay * limited_ay;
     const float sine_2_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
     const float ay_part_sine = 8.0f * sine_2_2;
@@ -251,11 +252,11 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float ay_part_doubled = 8.0f *
         (ay_part_doubled_product * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
-    const float sines_2_ay = 8.0f * ay_part_doubled_product;
-    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
+    const float sines_ay_part_2 = 8.0f * ay_part_doubled_product;
+    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_ay_part_2 * sines_ay_part_2)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
-    const float limited_bx = hall_position_limit(prediction_phase_x + arm_times_heading_cosine - arm_times_heading_sine,
-        largest_phase);
+    const float limited_bx = hall_position_limit(prediction_phase_x + arm_times_ax_part_cosine_sum -
+        ax_part_cosine_product, largest_phase);
     const float bx_part_cosine_argument = limited_bx * limited_bx;
     const float sine_2_3 = limited_bx * sine_2_polynomial(bx_part_cosine_argument);
     const float bx_part_sine = 8.0f * sine_2_3;
@@ -264,11 +265,11 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float bx_part_doubled = 8.0f *
         (bx_part_doubled_product * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float sines_2_bx = 8.0f * bx_part_doubled_product;
-    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
+    const float sines_bx_part_2 = 8.0f * bx_part_doubled_product;
+    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_bx_part_2 * sines_bx_part_2)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
-    const float limited_by = hall_position_limit(prediction_phase_y + arm_times_heading_cosine + arm_times_heading_sine,
-        largest_phase);
+    const float limited_by = hall_position_limit(prediction_phase_y + arm_times_ax_part_cosine_sum +
+        ax_part_cosine_product, largest_phase);
     const float by_part_cosine_argument = limited_by * limited_by;
     const float sine_2_4 = limited_by * sine_2_polynomial(by_part_cosine_argument);
     const float by_part_sine = 8.0f * sine_2_4;
@@ -277,635 +278,560 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float by_part_doubled = 8.0f *
         (by_part_doubled_product * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float sines_2_by = 8.0f * by_part_doubled_product;
-    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
+    const float sines_by_part_2 = 8.0f * by_part_doubled_product;
+    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_by_part_2 * sines_by_part_2)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
-    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const float phasor_ax_cosine = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float ax_part_full_squared = ax_part_full * ax_part_full;
     const float field_3_scaled = 3.0f * field_3;
     const float converged_product = ax_part_full_squared * field_5;
-    const float rows_1_1_converged = start_cosine_ax * (field_1 +
+    const float rows_1_1 = phasor_ax_cosine * (field_1 +
         (ax_part_full_squared * (field_3_scaled + (5.0f * converged_product))));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
     const float converged_product_2 = ay_part_full_squared * field_5;
     const float converged_product_3 = ay_part_full * (field_1 +
         (ay_part_full_squared * (field_3 + converged_product_2)));
-    const float rows_1_3_converged = (rows_1_1_converged * (arm_times_heading_cosine + arm_times_heading_sine)) +
-        converged_product_3;
+    const float rows_1_3 = (rows_1_1 * (arm_times_ax_part_cosine_sum + ax_part_cosine_product)) + converged_product_3;
     const float converged_product_4 = ax_part_full * (field_1 + (ax_part_full_squared * (field_3 + converged_product)));
-    const float residuals_1_converged = (heading_cosine * V_ax_held) - (heading_sine * V_ay_held) - converged_product_4;
-    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
-    const float rows_2_2_converged = start_cosine_ay * (field_1 +
+    const float residuals_1 = (ax_part_cosine_sum * V_ax_held) - (ax_part_cosine_limited_2 * V_ay_held) -
+        converged_product_4;
+    const float phasor_ay_cosine = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float rows_2_2 = phasor_ay_cosine * (field_1 +
         (ay_part_full_squared * (field_3_scaled + (5.0f * converged_product_2))));
-    const float minus_rows_2_3_converged = converged_product_4 -
-        (rows_2_2_converged * (arm_times_heading_sine - arm_times_heading_cosine));
-    const float residuals_2_converged = (heading_cosine * V_ay_held) + (heading_sine * V_ax_held) - converged_product_3;
-    const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
+    const float minus_rows_2_3 = converged_product_4 -
+        (rows_2_2 * (ax_part_cosine_product - arm_times_ax_part_cosine_sum));
+    const float residuals_2 = (ax_part_cosine_sum * V_ay_held) + (ax_part_cosine_limited_2 * V_ax_held) -
+        converged_product_3;
+    const float phasor_bx_cosine = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
     const float converged_product_5 = bx_part_full_squared * field_5;
-    const float rows_3_1_converged = start_cosine_bx * (field_1 +
+    const float rows_3_1 = phasor_bx_cosine * (field_1 +
         (bx_part_full_squared * (field_3_scaled + (5.0f * converged_product_5))));
     const float by_part_full_squared = by_part_full * by_part_full;
     const float converged_product_6 = by_part_full_squared * field_5;
     const float converged_product_7 = by_part_full * (field_1 +
         (by_part_full_squared * (field_3 + converged_product_6)));
-    const float rows_3_3_converged = (rows_3_1_converged * ((-arm * heading_cosine) - arm_times_heading_sine)) +
-        converged_product_7;
+    const float rows_3_3 = (rows_3_1 * ((-arm * ax_part_cosine_sum) - ax_part_cosine_product)) + converged_product_7;
     const float converged_product_8 = bx_part_full * (field_1 +
         (bx_part_full_squared * (field_3 + converged_product_5)));
-    const float residuals_3_converged = (heading_cosine * V_bx_held) - (heading_sine * V_by_held) - converged_product_8;
-    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
-    const float rows_4_2_converged = start_cosine_by * (field_1 +
+    const float residuals_3 = (ax_part_cosine_sum * V_bx_held) - (ax_part_cosine_limited_2 * V_by_held) -
+        converged_product_8;
+    const float phasor_by_cosine = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float rows_4_2 = phasor_by_cosine * (field_1 +
         (by_part_full_squared * (field_3_scaled + (5.0f * converged_product_6))));
-    const float minus_rows_4_3_converged = converged_product_8 -
-        (rows_4_2_converged * (arm_times_heading_cosine - arm_times_heading_sine));
-    const float residuals_4_converged = (heading_cosine * V_by_held) + (heading_sine * V_bx_held) - converged_product_7;
-    const float left_3_1_converged = (rows_1_3_converged * rows_1_1_converged) +
-        (rows_3_3_converged * rows_3_1_converged);
-    const float converged_inverse = 1.0f /
-        ((rows_1_1_converged * rows_1_1_converged) + (rows_3_1_converged * rows_3_1_converged) + prior_weight_phase);
-    const float lower_3_1_converged = hall_position_limit(left_3_1_converged * converged_inverse, largest_L_yaw_phase);
-    const float gradient_1_converged = (rows_1_1_converged * residuals_1_converged) +
-        (rows_3_1_converged * residuals_3_converged);
-    const float minus_left_3_2_converged = (minus_rows_2_3_converged * rows_2_2_converged) +
-        (minus_rows_4_3_converged * rows_4_2_converged);
-    const float converged_inverse_2 = 1.0f /
-        ((rows_2_2_converged * rows_2_2_converged) + (rows_4_2_converged * rows_4_2_converged) + prior_weight_phase);
-    const float lower_3_2_converged = hall_position_limit(-(minus_left_3_2_converged * converged_inverse_2),
-        largest_L_yaw_phase);
-    const float gradient_2_converged = (rows_2_2_converged * residuals_2_converged) +
-        (rows_4_2_converged * residuals_4_converged);
-    const float converged_denominator = hall_position_max((rows_1_3_converged * rows_1_3_converged) +
-        (minus_rows_2_3_converged * minus_rows_2_3_converged) + (rows_3_3_converged * rows_3_3_converged) +
-        (minus_rows_4_3_converged * minus_rows_4_3_converged) + prior_weight_yaw -
-        (lower_3_1_converged * left_3_1_converged) + (lower_3_2_converged * minus_left_3_2_converged), least_pivot_yaw);
-    const float then_3_converged = hall_position_limit(((rows_1_3_converged * residuals_1_converged) -
-        (minus_rows_2_3_converged * residuals_2_converged) + (rows_3_3_converged * residuals_3_converged) -
-        (minus_rows_4_3_converged * residuals_4_converged) - (lower_3_1_converged * gradient_1_converged) -
-        (lower_3_2_converged * gradient_2_converged)) / converged_denominator, largest_step_yaw);
-    const float then_3_converged_squared = then_3_converged * then_3_converged;
-    const float sine_converged = then_3_converged * sine_3_polynomial(then_3_converged_squared);
-    const float half_converged = then_3_converged * tangent_polynomial(then_3_converged_squared);
-    const float fall_converged = sine_converged * ((half_converged * heading_cosine) + heading_sine);
-    const float turns_3_cosine_converged = heading_cosine - fall_converged;
-    const float chords_3_sine_converged = sine_converged * (heading_cosine - (half_converged * heading_sine));
-    const float turns_3_sine_converged = heading_sine + chords_3_sine_converged;
-    const float then_1_converged = hall_position_limit((gradient_1_converged * converged_inverse) -
-        (lower_3_1_converged * then_3_converged), largest_step_phase);
-    const float converged_product_9 = arm * hall_position_limit(-fall_converged, largest_step_yaw);
-    const float converged_product_10 = arm * hall_position_limit(chords_3_sine_converged, largest_step_yaw);
-    const float by_ax_converged = then_1_converged - converged_product_9 + converged_product_10;
-    const float cosine_argument = by_ax_converged * by_ax_converged;
-    const float by_cosine_ax_converged = cosine_polynomial(cosine_argument);
-    const float by_sine_ax_converged = by_ax_converged * sine_4_polynomial(cosine_argument);
-    const float phasors_1_sine_converged = (ax_part_full * by_cosine_ax_converged) +
-        (start_cosine_ax * by_sine_ax_converged);
-    const float converged_square = phasors_1_sine_converged * phasors_1_sine_converged;
-    const float converged_product_11 = converged_square * field_5;
-    const float converged_product_12 = phasors_1_sine_converged * (field_1 +
-        (converged_square * (field_3 + converged_product_11)));
-    const float residuals_1_converged_2 = (turns_3_cosine_converged * V_ax_held) -
-        (turns_3_sine_converged * V_ay_held) - converged_product_12;
-    const float then_2_converged = hall_position_limit((gradient_2_converged * converged_inverse_2) -
-        (lower_3_2_converged * then_3_converged), largest_step_phase);
-    const float by_ay_converged = then_2_converged - converged_product_9 - converged_product_10;
-    const float cosine_argument_2 = by_ay_converged * by_ay_converged;
-    const float by_cosine_ay_converged = cosine_polynomial(cosine_argument_2);
-    const float by_sine_ay_converged = by_ay_converged * sine_4_polynomial(cosine_argument_2);
-    const float phasors_2_sine_converged = (ay_part_full * by_cosine_ay_converged) +
-        (start_cosine_ay * by_sine_ay_converged);
-    const float converged_square_2 = phasors_2_sine_converged * phasors_2_sine_converged;
-    const float converged_product_13 = converged_square_2 * field_5;
-    const float converged_product_14 = phasors_2_sine_converged * (field_1 +
-        (converged_square_2 * (field_3 + converged_product_13)));
-    const float residuals_2_converged_2 = (turns_3_cosine_converged * V_ay_held) +
-        (turns_3_sine_converged * V_ax_held) - converged_product_14;
-    const float by_bx_converged = then_1_converged + converged_product_9 - converged_product_10;
-    const float cosine_argument_3 = by_bx_converged * by_bx_converged;
-    const float by_cosine_bx_converged = cosine_polynomial(cosine_argument_3);
-    const float by_sine_bx_converged = by_bx_converged * sine_4_polynomial(cosine_argument_3);
-    const float phasors_3_sine_converged = (bx_part_full * by_cosine_bx_converged) +
-        (start_cosine_bx * by_sine_bx_converged);
-    const float converged_square_3 = phasors_3_sine_converged * phasors_3_sine_converged;
-    const float converged_product_15 = converged_square_3 * field_5;
-    const float converged_product_16 = phasors_3_sine_converged * (field_1 +
-        (converged_square_3 * (field_3 + converged_product_15)));
-    const float residuals_3_converged_2 = (turns_3_cosine_converged * V_bx_held) -
-        (turns_3_sine_converged * V_by_held) - converged_product_16;
-    const float by_converged = then_2_converged + converged_product_9 + converged_product_10;
-    const float cosine_argument_4 = by_converged * by_converged;
-    const float by_cosine_converged = cosine_polynomial(cosine_argument_4);
-    const float by_sine_converged = by_converged * sine_4_polynomial(cosine_argument_4);
-    const float phasors_4_sine_converged = (by_part_full * by_cosine_converged) + (start_cosine_by * by_sine_converged);
-    const float converged_square_4 = phasors_4_sine_converged * phasors_4_sine_converged;
-    const float converged_product_17 = converged_square_4 * field_5;
-    const float converged_product_18 = phasors_4_sine_converged * (field_1 +
-        (converged_square_4 * (field_3 + converged_product_17)));
-    const float residuals_4_converged_2 = (turns_3_cosine_converged * V_by_held) +
-        (turns_3_sine_converged * V_bx_held) - converged_product_18;
-    const float cost_converged = (residuals_1_converged_2 * residuals_1_converged_2) + (residuals_2_converged_2 *
-        residuals_2_converged_2) + (residuals_3_converged_2 * residuals_3_converged_2) + (residuals_4_converged_2 *
-        residuals_4_converged_2) + ((prior_weight_phase * (then_1_converged * then_1_converged)) +
-        (prior_weight_phase * (then_2_converged * then_2_converged)) + (prior_weight_yaw * then_3_converged_squared));
-    const float squares_converged = (residuals_1_converged * residuals_1_converged) +
-        (residuals_2_converged * residuals_2_converged) + (residuals_3_converged * residuals_3_converged) +
-        (residuals_4_converged * residuals_4_converged);
-    const bool better_converged = cost_converged <= ((rounding_factor * squares_converged) + slack);
-    const float rows_1_1_converged_2 = ((start_cosine_ax * by_cosine_ax_converged) - (ax_part_full *
-        by_sine_ax_converged)) * (field_1 + (converged_square * (field_3_scaled + (5.0f * converged_product_11))));
-    const float converged_product_19 = arm * turns_3_cosine_converged;
-    const float converged_product_20 = arm * turns_3_sine_converged;
-    const float rows_1_3_converged_2 = (rows_1_1_converged_2 * (converged_product_19 + converged_product_20)) +
+    const float minus_rows_4_3 = converged_product_8 -
+        (rows_4_2 * (arm_times_ax_part_cosine_sum - ax_part_cosine_product));
+    const float residuals_4 = (ax_part_cosine_sum * V_by_held) + (ax_part_cosine_limited_2 * V_bx_held) -
+        converged_product_7;
+    const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1);
+    const float converged_inverse = 1.0f / ((rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + prior_weight_phase);
+    const float lower_3_1 = hall_position_limit(left_3_1 * converged_inverse, largest_L_yaw_phase);
+    const float forward_1 = (rows_1_1 * residuals_1) + (rows_3_1 * residuals_3);
+    const float minus_left_3_2 = (minus_rows_2_3 * rows_2_2) + (minus_rows_4_3 * rows_4_2);
+    const float converged_inverse_2 = 1.0f / ((rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + prior_weight_phase);
+    const float lower_3_2 = hall_position_limit(-(minus_left_3_2 * converged_inverse_2), largest_L_yaw_phase);
+    const float forward_2 = (rows_2_2 * residuals_2) + (rows_4_2 * residuals_4);
+    const float converged_denominator = hall_position_max((rows_1_3 * rows_1_3) + (minus_rows_2_3 * minus_rows_2_3) +
+        (rows_3_3 * rows_3_3) + (minus_rows_4_3 * minus_rows_4_3) + prior_weight_yaw - (lower_3_1 * left_3_1) +
+        (lower_3_2 * minus_left_3_2), least_pivot_yaw);
+    const float offsets_3 = hall_position_limit(((rows_1_3 * residuals_1) - (minus_rows_2_3 * residuals_2) +
+        (rows_3_3 * residuals_3) - (minus_rows_4_3 * residuals_4) - (lower_3_1 * forward_1) - (lower_3_2 * forward_2)) /
+        converged_denominator, largest_step_yaw);
+    const float offsets_3_squared = offsets_3 * offsets_3;
+    const float chord_sine_yaw = offsets_3 * sine_3_polynomial(offsets_3_squared);
+    const float half_tangent_yaw = offsets_3 * tangent_polynomial(offsets_3_squared);
+    const float fall_yaw = chord_sine_yaw * ((half_tangent_yaw * ax_part_cosine_sum) + ax_part_cosine_limited_2);
+    const float turn_yaw_cosine = ax_part_cosine_sum - fall_yaw;
+    const float chord_yaw_sine = chord_sine_yaw * (ax_part_cosine_sum - (half_tangent_yaw * ax_part_cosine_limited_2));
+    const float turn_yaw_sine = ax_part_cosine_limited_2 + chord_yaw_sine;
+    const float offsets_1 = hall_position_limit((forward_1 * converged_inverse) - (lower_3_1 * offsets_3),
+        largest_step_phase);
+    const float converged_product_9 = arm * hall_position_limit(-fall_yaw, largest_step_yaw);
+    const float converged_product_10 = arm * hall_position_limit(chord_yaw_sine, largest_step_yaw);
+    const float by_ax = offsets_1 - converged_product_9 + converged_product_10;
+    const float cosine_argument = by_ax * by_ax;
+    const float cosine = cosine_polynomial(cosine_argument);
+    const float sine_4 = by_ax * sine_4_polynomial(cosine_argument);
+    const float phasor_ax_sine = (ax_part_full * cosine) + (phasor_ax_cosine * sine_4);
+    const float phasor_ax_sine_squared = phasor_ax_sine * phasor_ax_sine;
+    const float converged_product_11 = phasor_ax_sine_squared * field_5;
+    const float converged_product_12 = phasor_ax_sine * (field_1 +
+        (phasor_ax_sine_squared * (field_3 + converged_product_11)));
+    const float residuals_1_2 = (turn_yaw_cosine * V_ax_held) - (turn_yaw_sine * V_ay_held) - converged_product_12;
+    const float offsets_2 = hall_position_limit((forward_2 * converged_inverse_2) - (lower_3_2 * offsets_3),
+        largest_step_phase);
+    const float by_ay = offsets_2 - converged_product_9 - converged_product_10;
+    const float cosine_argument_2 = by_ay * by_ay;
+    const float cosine_2 = cosine_polynomial(cosine_argument_2);
+    const float sine_4_2 = by_ay * sine_4_polynomial(cosine_argument_2);
+    const float phasor_ay_sine = (ay_part_full * cosine_2) + (phasor_ay_cosine * sine_4_2);
+    const float phasor_ay_sine_squared = phasor_ay_sine * phasor_ay_sine;
+    const float converged_product_13 = phasor_ay_sine_squared * field_5;
+    const float converged_product_14 = phasor_ay_sine * (field_1 +
+        (phasor_ay_sine_squared * (field_3 + converged_product_13)));
+    const float residuals_2_2 = (turn_yaw_cosine * V_ay_held) + (turn_yaw_sine * V_ax_held) - converged_product_14;
+    const float by_bx = offsets_1 + converged_product_9 - converged_product_10;
+    const float cosine_argument_3 = by_bx * by_bx;
+    const float cosine_3 = cosine_polynomial(cosine_argument_3);
+    const float sine_4_3 = by_bx * sine_4_polynomial(cosine_argument_3);
+    const float phasor_bx_sine = (bx_part_full * cosine_3) + (phasor_bx_cosine * sine_4_3);
+    const float phasor_bx_sine_squared = phasor_bx_sine * phasor_bx_sine;
+    const float converged_product_15 = phasor_bx_sine_squared * field_5;
+    const float converged_product_16 = phasor_bx_sine * (field_1 +
+        (phasor_bx_sine_squared * (field_3 + converged_product_15)));
+    const float residuals_3_2 = (turn_yaw_cosine * V_bx_held) - (turn_yaw_sine * V_by_held) - converged_product_16;
+    const float by_by = offsets_2 + converged_product_9 + converged_product_10;
+    const float cosine_argument_4 = by_by * by_by;
+    const float cosine_4 = cosine_polynomial(cosine_argument_4);
+    const float sine_4_4 = by_by * sine_4_polynomial(cosine_argument_4);
+    const float phasor_by_sine = (by_part_full * cosine_4) + (phasor_by_cosine * sine_4_4);
+    const float phasor_by_sine_squared = phasor_by_sine * phasor_by_sine;
+    const float converged_product_17 = phasor_by_sine_squared * field_5;
+    const float converged_product_18 = phasor_by_sine * (field_1 +
+        (phasor_by_sine_squared * (field_3 + converged_product_17)));
+    const float residuals_4_2 = (turn_yaw_cosine * V_by_held) + (turn_yaw_sine * V_bx_held) - converged_product_18;
+    const float converged_sum = (residuals_1_2 * residuals_1_2) + (residuals_2_2 * residuals_2_2) + (residuals_3_2 *
+        residuals_3_2) + (residuals_4_2 * residuals_4_2) + ((prior_weight_phase * (offsets_1 * offsets_1)) +
+        (prior_weight_phase * (offsets_2 * offsets_2)) + (prior_weight_yaw * offsets_3_squared));
+    const float squares = (residuals_1 * residuals_1) + (residuals_2 * residuals_2) + (residuals_3 * residuals_3) +
+        (residuals_4 * residuals_4);
+    const bool converged_test = converged_sum <= ((rounding_factor * squares) + slack);
+    const float rows_1_1_2 = ((phasor_ax_cosine * cosine) - (ax_part_full * sine_4)) * (field_1 +
+        (phasor_ax_sine_squared * (field_3_scaled + (5.0f * converged_product_11))));
+    const float arm_times_turn_yaw_cosine = arm * turn_yaw_cosine;
+    const float arm_times_turn_yaw_sine = arm * turn_yaw_sine;
+    const float rows_1_3_2 = (rows_1_1_2 * (arm_times_turn_yaw_cosine + arm_times_turn_yaw_sine)) +
         converged_product_14;
-    const float rows_2_2_converged_2 = ((start_cosine_ay * by_cosine_ay_converged) - (ay_part_full *
-        by_sine_ay_converged)) * (field_1 + (converged_square_2 * (field_3_scaled + (5.0f * converged_product_13))));
-    const float minus_rows_2_3_converged_2 = converged_product_12 -
-        (rows_2_2_converged_2 * (converged_product_20 - converged_product_19));
-    const float rows_3_1_converged_2 = ((start_cosine_bx * by_cosine_bx_converged) - (bx_part_full *
-        by_sine_bx_converged)) * (field_1 + (converged_square_3 * (field_3_scaled + (5.0f * converged_product_15))));
-    const float rows_3_3_converged_2 = (rows_3_1_converged_2 * ((-arm * turns_3_cosine_converged) -
-        converged_product_20)) + converged_product_18;
-    const float rows_4_2_converged_2 = ((start_cosine_by * by_cosine_converged) - (by_part_full * by_sine_converged)) *
-        (field_1 + (converged_square_4 * (field_3_scaled + (5.0f * converged_product_17))));
-    const float minus_rows_4_3_converged_2 = converged_product_16 -
-        (rows_4_2_converged_2 * (converged_product_19 - converged_product_20));
-    const float left_3_1_converged_2 = (rows_1_3_converged_2 * rows_1_1_converged_2) +
-        (rows_3_3_converged_2 * rows_3_1_converged_2);
-    const float converged_inverse_3 = 1.0f / ((rows_1_1_converged_2 * rows_1_1_converged_2) +
-        (rows_3_1_converged_2 * rows_3_1_converged_2) + prior_weight_phase);
-    const float lower_3_1_converged_2 = hall_position_limit(left_3_1_converged_2 * converged_inverse_3,
-        largest_L_yaw_phase);
-    const float gradient_1_converged_2 = (rows_1_1_converged_2 * residuals_1_converged_2) +
-        (rows_3_1_converged_2 * residuals_3_converged_2) - (prior_weight_phase * then_1_converged);
-    const float minus_left_3_2_converged_2 = (minus_rows_2_3_converged_2 * rows_2_2_converged_2) +
-        (minus_rows_4_3_converged_2 * rows_4_2_converged_2);
-    const float converged_inverse_4 = 1.0f / ((rows_2_2_converged_2 * rows_2_2_converged_2) +
-        (rows_4_2_converged_2 * rows_4_2_converged_2) + prior_weight_phase);
-    const float lower_3_2_converged_2 = hall_position_limit(-(minus_left_3_2_converged_2 * converged_inverse_4),
-        largest_L_yaw_phase);
-    const float gradient_2_converged_2 = (rows_2_2_converged_2 * residuals_2_converged_2) +
-        (rows_4_2_converged_2 * residuals_4_converged_2) - (prior_weight_phase * then_2_converged);
-    float other_3_converged = then_3_converged;
-    float other_1_converged = then_1_converged;
-    float other_2_converged = then_2_converged;
-    float converged_choice = cost_converged;
-    if (!better_converged) {
-        other_3_converged = 0.0f;
-        other_1_converged = 0.0f;
-        other_2_converged = 0.0f;
-        converged_choice = squares_converged;
+    const float rows_2_2_2 = ((phasor_ay_cosine * cosine_2) - (ay_part_full * sine_4_2)) * (field_1 +
+        (phasor_ay_sine_squared * (field_3_scaled + (5.0f * converged_product_13))));
+    const float minus_rows_2_3_2 = converged_product_12 -
+        (rows_2_2_2 * (arm_times_turn_yaw_sine - arm_times_turn_yaw_cosine));
+    const float rows_3_1_2 = ((phasor_bx_cosine * cosine_3) - (bx_part_full * sine_4_3)) * (field_1 +
+        (phasor_bx_sine_squared * (field_3_scaled + (5.0f * converged_product_15))));
+    const float rows_3_3_2 = (rows_3_1_2 * ((-arm * turn_yaw_cosine) - arm_times_turn_yaw_sine)) + converged_product_18;
+    const float rows_4_2_2 = ((phasor_by_cosine * cosine_4) - (by_part_full * sine_4_4)) * (field_1 +
+        (phasor_by_sine_squared * (field_3_scaled + (5.0f * converged_product_17))));
+    const float minus_rows_4_3_2 = converged_product_16 -
+        (rows_4_2_2 * (arm_times_turn_yaw_cosine - arm_times_turn_yaw_sine));
+    const float left_3_1_2 = (rows_1_3_2 * rows_1_1_2) + (rows_3_3_2 * rows_3_1_2);
+    const float converged_inverse_3 = 1.0f /
+        ((rows_1_1_2 * rows_1_1_2) + (rows_3_1_2 * rows_3_1_2) + prior_weight_phase);
+    const float lower_3_1_2 = hall_position_limit(left_3_1_2 * converged_inverse_3, largest_L_yaw_phase);
+    const float forward_1_2 = (rows_1_1_2 * residuals_1_2) + (rows_3_1_2 * residuals_3_2) -
+        (prior_weight_phase * offsets_1);
+    const float minus_left_3_2_2 = (minus_rows_2_3_2 * rows_2_2_2) + (minus_rows_4_3_2 * rows_4_2_2);
+    const float converged_inverse_4 = 1.0f /
+        ((rows_2_2_2 * rows_2_2_2) + (rows_4_2_2 * rows_4_2_2) + prior_weight_phase);
+    const float lower_3_2_2 = hall_position_limit(-(minus_left_3_2_2 * converged_inverse_4), largest_L_yaw_phase);
+    const float forward_2_2 = (rows_2_2_2 * residuals_2_2) + (rows_4_2_2 * residuals_4_2) -
+        (prior_weight_phase * offsets_2);
+    float converged_choice = offsets_3;
+    float converged_choice_2 = offsets_1;
+    float converged_choice_3 = offsets_2;
+    float converged_choice_4 = converged_sum;
+    if (!converged_test) {
+        converged_choice = 0.0f;
+        converged_choice_2 = 0.0f;
+        converged_choice_3 = 0.0f;
+        converged_choice_4 = squares;
     }
-    float converged_choice_2;
-    if (better_converged) {
-        const float converged_denominator_2 = hall_position_max((rows_1_3_converged_2 * rows_1_3_converged_2) +
-            (minus_rows_2_3_converged_2 * minus_rows_2_3_converged_2) + (rows_3_3_converged_2 * rows_3_3_converged_2) +
-            (minus_rows_4_3_converged_2 * minus_rows_4_3_converged_2) + prior_weight_yaw - (lower_3_1_converged_2 *
-            left_3_1_converged_2) + (lower_3_2_converged_2 * minus_left_3_2_converged_2), least_pivot_yaw);
-        converged_choice_2 = then_3_converged + (((rows_1_3_converged_2 * residuals_1_converged_2) -
-            (minus_rows_2_3_converged_2 * residuals_2_converged_2) + (rows_3_3_converged_2 * residuals_3_converged_2) -
-            (minus_rows_4_3_converged_2 * residuals_4_converged_2) - (prior_weight_yaw * then_3_converged) -
-            (lower_3_1_converged_2 * gradient_1_converged_2) - (lower_3_2_converged_2 * gradient_2_converged_2)) /
-            converged_denominator_2);
+    float converged_choice_5;
+    if (converged_test) {
+        const float converged_denominator_2 = hall_position_max((rows_1_3_2 * rows_1_3_2) +
+            (minus_rows_2_3_2 * minus_rows_2_3_2) + (rows_3_3_2 * rows_3_3_2) + (minus_rows_4_3_2 * minus_rows_4_3_2) +
+            prior_weight_yaw - (lower_3_1_2 * left_3_1_2) + (lower_3_2_2 * minus_left_3_2_2), least_pivot_yaw);
+        converged_choice_5 = offsets_3 + (((rows_1_3_2 * residuals_1_2) - (minus_rows_2_3_2 * residuals_2_2) +
+            (rows_3_3_2 * residuals_3_2) - (minus_rows_4_3_2 * residuals_4_2) - (prior_weight_yaw * offsets_3) -
+            (lower_3_1_2 * forward_1_2) - (lower_3_2_2 * forward_2_2)) / converged_denominator_2);
     } else {
-        converged_choice_2 = 0.5f * (then_3_converged + other_3_converged);
+        converged_choice_5 = 0.5f * (offsets_3 + converged_choice);
     }
-    const float then_3_converged_2 = hall_position_limit(converged_choice_2, largest_step_yaw);
-    const float then_3_converged_2_squared = then_3_converged_2 * then_3_converged_2;
-    const float sine_converged_2 = then_3_converged_2 * sine_3_polynomial(then_3_converged_2_squared);
-    const float half_converged_2 = then_3_converged_2 * tangent_polynomial(then_3_converged_2_squared);
-    const float fall_converged_2 = sine_converged_2 * ((half_converged_2 * heading_cosine) + heading_sine);
-    const float turns_3_cosine_converged_2 = heading_cosine - fall_converged_2;
-    const float chords_3_sine_converged_2 = sine_converged_2 * (heading_cosine - (half_converged_2 * heading_sine));
-    const float turns_3_sine_converged_2 = heading_sine + chords_3_sine_converged_2;
-    float converged_choice_3;
-    float converged_choice_4;
-    if (better_converged) {
-        const float moves_3_converged = then_3_converged_2 - then_3_converged;
-        converged_choice_3 = then_1_converged +
-            ((gradient_1_converged_2 * converged_inverse_3) - (lower_3_1_converged_2 * moves_3_converged));
-        converged_choice_4 = then_2_converged +
-            ((gradient_2_converged_2 * converged_inverse_4) - (lower_3_2_converged_2 * moves_3_converged));
-    } else {
-        converged_choice_3 = 0.5f * (then_1_converged + other_1_converged);
-        converged_choice_4 = 0.5f * (then_2_converged + other_2_converged);
-    }
-    const float then_1_converged_2 = hall_position_limit(converged_choice_3, largest_step_phase);
-    const float converged_product_21 = arm * hall_position_limit(-fall_converged_2, largest_step_yaw);
-    const float converged_product_22 = arm * hall_position_limit(chords_3_sine_converged_2, largest_step_yaw);
-    const float by_ax_converged_2 = hall_position_limit(then_1_converged_2 - converged_product_21 +
-        converged_product_22, largest_change);
-    const float cosine_argument_5 = by_ax_converged_2 * by_ax_converged_2;
-    const float by_cosine_ax_converged_2 = cosine_polynomial(cosine_argument_5);
-    const float by_sine_ax_converged_2 = by_ax_converged_2 * sine_4_polynomial(cosine_argument_5);
-    const float phasors_1_sine_converged_2 = (ax_part_full * by_cosine_ax_converged_2) +
-        (start_cosine_ax * by_sine_ax_converged_2);
-    const float converged_square_5 = phasors_1_sine_converged_2 * phasors_1_sine_converged_2;
-    const float converged_product_23 = converged_square_5 * field_5;
-    const float converged_product_24 = phasors_1_sine_converged_2 * (field_1 +
-        (converged_square_5 * (field_3 + converged_product_23)));
-    const float residuals_1_converged_3 = (turns_3_cosine_converged_2 * V_ax_held) -
-        (turns_3_sine_converged_2 * V_ay_held) - converged_product_24;
-    const float then_2_converged_2 = hall_position_limit(converged_choice_4, largest_step_phase);
-    const float by_ay_converged_2 = hall_position_limit(then_2_converged_2 - converged_product_21 -
-        converged_product_22, largest_change);
-    const float cosine_argument_6 = by_ay_converged_2 * by_ay_converged_2;
-    const float by_cosine_ay_converged_2 = cosine_polynomial(cosine_argument_6);
-    const float by_sine_ay_converged_2 = by_ay_converged_2 * sine_4_polynomial(cosine_argument_6);
-    const float phasors_2_sine_converged_2 = (ay_part_full * by_cosine_ay_converged_2) +
-        (start_cosine_ay * by_sine_ay_converged_2);
-    const float converged_square_6 = phasors_2_sine_converged_2 * phasors_2_sine_converged_2;
-    const float converged_product_25 = converged_square_6 * field_5;
-    const float converged_product_26 = phasors_2_sine_converged_2 * (field_1 +
-        (converged_square_6 * (field_3 + converged_product_25)));
-    const float residuals_2_converged_3 = (turns_3_cosine_converged_2 * V_ay_held) +
-        (turns_3_sine_converged_2 * V_ax_held) - converged_product_26;
-    const float by_bx_converged_2 = hall_position_limit(then_1_converged_2 + converged_product_21 -
-        converged_product_22, largest_change);
-    const float cosine_argument_7 = by_bx_converged_2 * by_bx_converged_2;
-    const float by_cosine_bx_converged_2 = cosine_polynomial(cosine_argument_7);
-    const float by_sine_bx_converged_2 = by_bx_converged_2 * sine_4_polynomial(cosine_argument_7);
-    const float phasors_3_sine_converged_2 = (bx_part_full * by_cosine_bx_converged_2) +
-        (start_cosine_bx * by_sine_bx_converged_2);
-    const float converged_square_7 = phasors_3_sine_converged_2 * phasors_3_sine_converged_2;
-    const float converged_product_27 = converged_square_7 * field_5;
-    const float converged_product_28 = phasors_3_sine_converged_2 * (field_1 +
-        (converged_square_7 * (field_3 + converged_product_27)));
-    const float residuals_3_converged_3 = (turns_3_cosine_converged_2 * V_bx_held) -
-        (turns_3_sine_converged_2 * V_by_held) - converged_product_28;
-    const float by_converged_2 = hall_position_limit(then_2_converged_2 + converged_product_21 + converged_product_22,
-        largest_change);
-    const float cosine_argument_8 = by_converged_2 * by_converged_2;
-    const float by_cosine_converged_2 = cosine_polynomial(cosine_argument_8);
-    const float by_sine_converged_2 = by_converged_2 * sine_4_polynomial(cosine_argument_8);
-    const float phasors_4_sine_converged_2 = (by_part_full * by_cosine_converged_2) +
-        (start_cosine_by * by_sine_converged_2);
-    const float converged_square_8 = phasors_4_sine_converged_2 * phasors_4_sine_converged_2;
-    const float converged_product_29 = converged_square_8 * field_5;
-    const float converged_product_30 = phasors_4_sine_converged_2 * (field_1 +
-        (converged_square_8 * (field_3 + converged_product_29)));
-    const float residuals_4_converged_3 = (turns_3_cosine_converged_2 * V_by_held) +
-        (turns_3_sine_converged_2 * V_bx_held) - converged_product_30;
-    const float cost_converged_2 = (residuals_1_converged_3 * residuals_1_converged_3) +
-        (residuals_2_converged_3 * residuals_2_converged_3) + (residuals_3_converged_3 * residuals_3_converged_3) +
-        (residuals_4_converged_3 * residuals_4_converged_3) +
-        ((prior_weight_phase * (then_1_converged_2 * then_1_converged_2)) + (prior_weight_phase *
-        (then_2_converged_2 * then_2_converged_2)) + (prior_weight_yaw * then_3_converged_2_squared));
-    const bool better_converged_2 = cost_converged_2 <= ((rounding_factor * converged_choice) + slack);
-    const float rows_1_1_converged_3 = ((start_cosine_ax * by_cosine_ax_converged_2) - (ax_part_full *
-        by_sine_ax_converged_2)) * (field_1 + (converged_square_5 * (field_3_scaled + (5.0f * converged_product_23))));
-    const float converged_product_31 = arm * turns_3_cosine_converged_2;
-    const float converged_product_32 = arm * turns_3_sine_converged_2;
-    const float rows_1_3_converged_3 = (rows_1_1_converged_3 * (converged_product_31 + converged_product_32)) +
-        converged_product_26;
-    const float rows_2_2_converged_3 = ((start_cosine_ay * by_cosine_ay_converged_2) - (ay_part_full *
-        by_sine_ay_converged_2)) * (field_1 + (converged_square_6 * (field_3_scaled + (5.0f * converged_product_25))));
-    const float minus_rows_2_3_converged_3 = converged_product_24 -
-        (rows_2_2_converged_3 * (converged_product_32 - converged_product_31));
-    const float rows_3_1_converged_3 = ((start_cosine_bx * by_cosine_bx_converged_2) - (bx_part_full *
-        by_sine_bx_converged_2)) * (field_1 + (converged_square_7 * (field_3_scaled + (5.0f * converged_product_27))));
-    const float rows_3_3_converged_3 = (rows_3_1_converged_3 * ((-arm * turns_3_cosine_converged_2) -
-        converged_product_32)) + converged_product_30;
-    const float rows_4_2_converged_3 = ((start_cosine_by * by_cosine_converged_2) - (by_part_full *
-        by_sine_converged_2)) * (field_1 + (converged_square_8 * (field_3_scaled + (5.0f * converged_product_29))));
-    const float minus_rows_4_3_converged_3 = converged_product_28 -
-        (rows_4_2_converged_3 * (converged_product_31 - converged_product_32));
-    const float left_3_1_converged_3 = (rows_1_3_converged_3 * rows_1_1_converged_3) +
-        (rows_3_3_converged_3 * rows_3_1_converged_3);
-    const float converged_inverse_5 = 1.0f / ((rows_1_1_converged_3 * rows_1_1_converged_3) +
-        (rows_3_1_converged_3 * rows_3_1_converged_3) + prior_weight_phase);
-    const float lower_3_1_converged_3 = hall_position_limit(left_3_1_converged_3 * converged_inverse_5,
-        largest_L_yaw_phase);
-    const float gradient_1_converged_3 = (rows_1_1_converged_3 * residuals_1_converged_3) +
-        (rows_3_1_converged_3 * residuals_3_converged_3) - (prior_weight_phase * then_1_converged_2);
-    const float minus_left_3_2_converged_3 = (minus_rows_2_3_converged_3 * rows_2_2_converged_3) +
-        (minus_rows_4_3_converged_3 * rows_4_2_converged_3);
-    const float converged_inverse_6 = 1.0f / ((rows_2_2_converged_3 * rows_2_2_converged_3) +
-        (rows_4_2_converged_3 * rows_4_2_converged_3) + prior_weight_phase);
-    const float lower_3_2_converged_3 = hall_position_limit(-(minus_left_3_2_converged_3 * converged_inverse_6),
-        largest_L_yaw_phase);
-    const float gradient_2_converged_3 = (rows_2_2_converged_3 * residuals_2_converged_3) +
-        (rows_4_2_converged_3 * residuals_4_converged_3) - (prior_weight_phase * then_2_converged_2);
-    float other_3_converged_2 = then_3_converged_2;
-    float other_1_converged_2 = then_1_converged_2;
-    float other_2_converged_2 = then_2_converged_2;
-    float converged_choice_5 = cost_converged_2;
-    if (!better_converged_2) {
-        other_3_converged_2 = other_3_converged;
-        other_1_converged_2 = other_1_converged;
-        other_2_converged_2 = other_2_converged;
-        converged_choice_5 = converged_choice;
-    }
+    const float offsets_3_2 = hall_position_limit(converged_choice_5, largest_step_yaw);
+    const float offsets_3_2_squared = offsets_3_2 * offsets_3_2;
+    const float chord_sine_yaw_2 = offsets_3_2 * sine_3_polynomial(offsets_3_2_squared);
+    const float half_tangent_yaw_2 = offsets_3_2 * tangent_polynomial(offsets_3_2_squared);
+    const float fall_yaw_2 = chord_sine_yaw_2 * ((half_tangent_yaw_2 * ax_part_cosine_sum) + ax_part_cosine_limited_2);
+    const float turn_yaw_cosine_2 = ax_part_cosine_sum - fall_yaw_2;
+    const float chord_yaw_sine_2 = chord_sine_yaw_2 * (ax_part_cosine_sum -
+        (half_tangent_yaw_2 * ax_part_cosine_limited_2));
+    const float turn_yaw_sine_2 = ax_part_cosine_limited_2 + chord_yaw_sine_2;
     float converged_choice_6;
-    if (better_converged_2) {
-        const float converged_denominator_3 = hall_position_max((rows_1_3_converged_3 * rows_1_3_converged_3) +
-            (minus_rows_2_3_converged_3 * minus_rows_2_3_converged_3) + (rows_3_3_converged_3 * rows_3_3_converged_3) +
-            (minus_rows_4_3_converged_3 * minus_rows_4_3_converged_3) + prior_weight_yaw - (lower_3_1_converged_3 *
-            left_3_1_converged_3) + (lower_3_2_converged_3 * minus_left_3_2_converged_3), least_pivot_yaw);
-        converged_choice_6 = then_3_converged_2 + (((rows_1_3_converged_3 * residuals_1_converged_3) -
-            (minus_rows_2_3_converged_3 * residuals_2_converged_3) + (rows_3_3_converged_3 * residuals_3_converged_3) -
-            (minus_rows_4_3_converged_3 * residuals_4_converged_3) - (prior_weight_yaw * then_3_converged_2) -
-            (lower_3_1_converged_3 * gradient_1_converged_3) - (lower_3_2_converged_3 * gradient_2_converged_3)) /
-            converged_denominator_3);
-    } else {
-        converged_choice_6 = 0.5f * (then_3_converged_2 + other_3_converged_2);
-    }
-    const float then_3_converged_3 = hall_position_limit(converged_choice_6, largest_step_yaw);
-    const float then_3_converged_3_squared = then_3_converged_3 * then_3_converged_3;
-    const float sine_converged_3 = then_3_converged_3 * sine_3_polynomial(then_3_converged_3_squared);
-    const float half_converged_3 = then_3_converged_3 * tangent_polynomial(then_3_converged_3_squared);
-    const float fall_converged_3 = sine_converged_3 * ((half_converged_3 * heading_cosine) + heading_sine);
-    const float turns_3_cosine_converged_3 = heading_cosine - fall_converged_3;
-    const float chords_3_sine_converged_3 = sine_converged_3 * (heading_cosine - (half_converged_3 * heading_sine));
-    const float turns_3_sine_converged_3 = heading_sine + chords_3_sine_converged_3;
     float converged_choice_7;
-    float converged_choice_8;
-    if (better_converged_2) {
-        const float moves_3_converged_2 = then_3_converged_3 - then_3_converged_2;
-        converged_choice_7 = then_1_converged_2 +
-            ((gradient_1_converged_3 * converged_inverse_5) - (lower_3_1_converged_3 * moves_3_converged_2));
-        converged_choice_8 = then_2_converged_2 +
-            ((gradient_2_converged_3 * converged_inverse_6) - (lower_3_2_converged_3 * moves_3_converged_2));
+    if (converged_test) {
+        const float offsets_3_2_minus_offsets_3 = offsets_3_2 - offsets_3;
+        converged_choice_6 = offsets_1 +
+            ((forward_1_2 * converged_inverse_3) - (lower_3_1_2 * offsets_3_2_minus_offsets_3));
+        converged_choice_7 = offsets_2 +
+            ((forward_2_2 * converged_inverse_4) - (lower_3_2_2 * offsets_3_2_minus_offsets_3));
     } else {
-        converged_choice_7 = 0.5f * (then_1_converged_2 + other_1_converged_2);
-        converged_choice_8 = 0.5f * (then_2_converged_2 + other_2_converged_2);
+        converged_choice_6 = 0.5f * (offsets_1 + converged_choice_2);
+        converged_choice_7 = 0.5f * (offsets_2 + converged_choice_3);
     }
-    const float then_1_converged_3 = hall_position_limit(converged_choice_7, largest_step_phase);
-    const float converged_product_33 = arm * hall_position_limit(-fall_converged_3, largest_step_yaw);
-    const float converged_product_34 = arm * hall_position_limit(chords_3_sine_converged_3, largest_step_yaw);
-    const float by_ax_converged_3 = hall_position_limit(then_1_converged_3 - converged_product_33 +
-        converged_product_34, largest_change);
-    const float cosine_argument_9 = by_ax_converged_3 * by_ax_converged_3;
-    const float by_cosine_ax_converged_3 = cosine_polynomial(cosine_argument_9);
-    const float by_sine_ax_converged_3 = by_ax_converged_3 * sine_4_polynomial(cosine_argument_9);
-    const float phasors_1_sine_converged_3 = (ax_part_full * by_cosine_ax_converged_3) +
-        (start_cosine_ax * by_sine_ax_converged_3);
-    const float converged_square_9 = phasors_1_sine_converged_3 * phasors_1_sine_converged_3;
-    const float converged_product_35 = converged_square_9 * field_5;
-    const float converged_product_36 = phasors_1_sine_converged_3 * (field_1 +
-        (converged_square_9 * (field_3 + converged_product_35)));
-    const float residuals_1_converged_4 = (turns_3_cosine_converged_3 * V_ax_held) -
-        (turns_3_sine_converged_3 * V_ay_held) - converged_product_36;
-    const float then_2_converged_3 = hall_position_limit(converged_choice_8, largest_step_phase);
-    const float by_ay_converged_3 = hall_position_limit(then_2_converged_3 - converged_product_33 -
-        converged_product_34, largest_change);
-    const float cosine_argument_10 = by_ay_converged_3 * by_ay_converged_3;
-    const float by_cosine_ay_converged_3 = cosine_polynomial(cosine_argument_10);
-    const float by_sine_ay_converged_3 = by_ay_converged_3 * sine_4_polynomial(cosine_argument_10);
-    const float phasors_2_sine_converged_3 = (ay_part_full * by_cosine_ay_converged_3) +
-        (start_cosine_ay * by_sine_ay_converged_3);
-    const float converged_square_10 = phasors_2_sine_converged_3 * phasors_2_sine_converged_3;
-    const float converged_product_37 = converged_square_10 * field_5;
-    const float converged_product_38 = phasors_2_sine_converged_3 * (field_1 +
-        (converged_square_10 * (field_3 + converged_product_37)));
-    const float residuals_2_converged_4 = (turns_3_cosine_converged_3 * V_ay_held) +
-        (turns_3_sine_converged_3 * V_ax_held) - converged_product_38;
-    const float by_bx_converged_3 = hall_position_limit(then_1_converged_3 + converged_product_33 -
-        converged_product_34, largest_change);
-    const float cosine_argument_11 = by_bx_converged_3 * by_bx_converged_3;
-    const float by_cosine_bx_converged_3 = cosine_polynomial(cosine_argument_11);
-    const float by_sine_bx_converged_3 = by_bx_converged_3 * sine_4_polynomial(cosine_argument_11);
-    const float phasors_3_sine_converged_3 = (bx_part_full * by_cosine_bx_converged_3) +
-        (start_cosine_bx * by_sine_bx_converged_3);
-    const float converged_square_11 = phasors_3_sine_converged_3 * phasors_3_sine_converged_3;
-    const float converged_product_39 = converged_square_11 * field_5;
-    const float converged_product_40 = phasors_3_sine_converged_3 * (field_1 +
-        (converged_square_11 * (field_3 + converged_product_39)));
-    const float residuals_3_converged_4 = (turns_3_cosine_converged_3 * V_bx_held) -
-        (turns_3_sine_converged_3 * V_by_held) - converged_product_40;
-    const float by_converged_3 = hall_position_limit(then_2_converged_3 + converged_product_33 + converged_product_34,
+    const float offsets_1_2 = hall_position_limit(converged_choice_6, largest_step_phase);
+    const float converged_product_19 = arm * hall_position_limit(-fall_yaw_2, largest_step_yaw);
+    const float converged_product_20 = arm * hall_position_limit(chord_yaw_sine_2, largest_step_yaw);
+    const float converged_limited = hall_position_limit(offsets_1_2 - converged_product_19 + converged_product_20,
         largest_change);
-    const float cosine_argument_12 = by_converged_3 * by_converged_3;
-    const float by_cosine_converged_3 = cosine_polynomial(cosine_argument_12);
-    const float by_sine_converged_3 = by_converged_3 * sine_4_polynomial(cosine_argument_12);
-    const float phasors_4_sine_converged_3 = (by_part_full * by_cosine_converged_3) +
-        (start_cosine_by * by_sine_converged_3);
-    const float converged_square_12 = phasors_4_sine_converged_3 * phasors_4_sine_converged_3;
-    const float converged_product_41 = converged_square_12 * field_5;
-    const float converged_product_42 = phasors_4_sine_converged_3 * (field_1 +
-        (converged_square_12 * (field_3 + converged_product_41)));
-    const float residuals_4_converged_4 = (turns_3_cosine_converged_3 * V_by_held) +
-        (turns_3_sine_converged_3 * V_bx_held) - converged_product_42;
-    const float cost_converged_3 = (residuals_1_converged_4 * residuals_1_converged_4) +
-        (residuals_2_converged_4 * residuals_2_converged_4) + (residuals_3_converged_4 * residuals_3_converged_4) +
-        (residuals_4_converged_4 * residuals_4_converged_4) +
-        ((prior_weight_phase * (then_1_converged_3 * then_1_converged_3)) + (prior_weight_phase *
-        (then_2_converged_3 * then_2_converged_3)) + (prior_weight_yaw * then_3_converged_3_squared));
-    const bool better_converged_3 = cost_converged_3 <= ((rounding_factor * converged_choice_5) + slack);
-    const float rows_1_1_converged_4 = ((start_cosine_ax * by_cosine_ax_converged_3) - (ax_part_full *
-        by_sine_ax_converged_3)) * (field_1 + (converged_square_9 * (field_3_scaled + (5.0f * converged_product_35))));
-    const float converged_product_43 = arm * turns_3_cosine_converged_3;
-    const float converged_product_44 = arm * turns_3_sine_converged_3;
-    const float rows_1_3_converged_4 = (rows_1_1_converged_4 * (converged_product_43 + converged_product_44)) +
-        converged_product_38;
-    const float rows_2_2_converged_4 = ((start_cosine_ay * by_cosine_ay_converged_3) - (ay_part_full *
-        by_sine_ay_converged_3)) * (field_1 + (converged_square_10 * (field_3_scaled + (5.0f * converged_product_37))));
-    const float minus_rows_2_3_converged_4 = converged_product_36 -
-        (rows_2_2_converged_4 * (converged_product_44 - converged_product_43));
-    const float rows_3_1_converged_4 = ((start_cosine_bx * by_cosine_bx_converged_3) - (bx_part_full *
-        by_sine_bx_converged_3)) * (field_1 + (converged_square_11 * (field_3_scaled + (5.0f * converged_product_39))));
-    const float rows_3_3_converged_4 = (rows_3_1_converged_4 * ((-arm * turns_3_cosine_converged_3) -
-        converged_product_44)) + converged_product_42;
-    const float rows_4_2_converged_4 = ((start_cosine_by * by_cosine_converged_3) - (by_part_full *
-        by_sine_converged_3)) * (field_1 + (converged_square_12 * (field_3_scaled + (5.0f * converged_product_41))));
-    const float minus_rows_4_3_converged_4 = converged_product_40 -
-        (rows_4_2_converged_4 * (converged_product_43 - converged_product_44));
-    const float left_3_1_converged_4 = (rows_1_3_converged_4 * rows_1_1_converged_4) +
-        (rows_3_3_converged_4 * rows_3_1_converged_4);
-    const float converged_inverse_7 = 1.0f / ((rows_1_1_converged_4 * rows_1_1_converged_4) +
-        (rows_3_1_converged_4 * rows_3_1_converged_4) + prior_weight_phase);
-    const float lower_3_1_converged_4 = hall_position_limit(left_3_1_converged_4 * converged_inverse_7,
-        largest_L_yaw_phase);
-    const float gradient_1_converged_4 = (rows_1_1_converged_4 * residuals_1_converged_4) +
-        (rows_3_1_converged_4 * residuals_3_converged_4) - (prior_weight_phase * then_1_converged_3);
-    const float minus_left_3_2_converged_4 = (minus_rows_2_3_converged_4 * rows_2_2_converged_4) +
-        (minus_rows_4_3_converged_4 * rows_4_2_converged_4);
-    const float converged_inverse_8 = 1.0f / ((rows_2_2_converged_4 * rows_2_2_converged_4) +
-        (rows_4_2_converged_4 * rows_4_2_converged_4) + prior_weight_phase);
-    const float lower_3_2_converged_4 = hall_position_limit(-(minus_left_3_2_converged_4 * converged_inverse_8),
-        largest_L_yaw_phase);
-    const float gradient_2_converged_4 = (rows_2_2_converged_4 * residuals_2_converged_4) +
-        (rows_4_2_converged_4 * residuals_4_converged_4) - (prior_weight_phase * then_2_converged_3);
-    float other_3_converged_3 = then_3_converged_3;
-    float other_1_converged_3 = then_1_converged_3;
-    float other_2_converged_3 = then_2_converged_3;
-    float converged_choice_9 = cost_converged_3;
-    if (!better_converged_3) {
-        other_3_converged_3 = other_3_converged_2;
-        other_1_converged_3 = other_1_converged_2;
-        other_2_converged_3 = other_2_converged_2;
-        converged_choice_9 = converged_choice_5;
+    const float cosine_argument_5 = converged_limited * converged_limited;
+    const float cosine_5 = cosine_polynomial(cosine_argument_5);
+    const float sine_4_5 = converged_limited * sine_4_polynomial(cosine_argument_5);
+    const float phasor_ax_sine_2 = (ax_part_full * cosine_5) + (phasor_ax_cosine * sine_4_5);
+    const float phasor_ax_sine_2_squared = phasor_ax_sine_2 * phasor_ax_sine_2;
+    const float converged_product_21 = phasor_ax_sine_2_squared * field_5;
+    const float converged_product_22 = phasor_ax_sine_2 * (field_1 +
+        (phasor_ax_sine_2_squared * (field_3 + converged_product_21)));
+    const float residuals_1_3 = (turn_yaw_cosine_2 * V_ax_held) - (turn_yaw_sine_2 * V_ay_held) - converged_product_22;
+    const float offsets_2_2 = hall_position_limit(converged_choice_7, largest_step_phase);
+    const float converged_limited_2 = hall_position_limit(offsets_2_2 - converged_product_19 - converged_product_20,
+        largest_change);
+    const float cosine_argument_6 = converged_limited_2 * converged_limited_2;
+    const float cosine_6 = cosine_polynomial(cosine_argument_6);
+    const float sine_4_6 = converged_limited_2 * sine_4_polynomial(cosine_argument_6);
+    const float phasor_ay_sine_2 = (ay_part_full * cosine_6) + (phasor_ay_cosine * sine_4_6);
+    const float phasor_ay_sine_2_squared = phasor_ay_sine_2 * phasor_ay_sine_2;
+    const float converged_product_23 = phasor_ay_sine_2_squared * field_5;
+    const float converged_product_24 = phasor_ay_sine_2 * (field_1 +
+        (phasor_ay_sine_2_squared * (field_3 + converged_product_23)));
+    const float residuals_2_3 = (turn_yaw_cosine_2 * V_ay_held) + (turn_yaw_sine_2 * V_ax_held) - converged_product_24;
+    const float converged_limited_3 = hall_position_limit(offsets_1_2 + converged_product_19 - converged_product_20,
+        largest_change);
+    const float cosine_argument_7 = converged_limited_3 * converged_limited_3;
+    const float cosine_7 = cosine_polynomial(cosine_argument_7);
+    const float sine_4_7 = converged_limited_3 * sine_4_polynomial(cosine_argument_7);
+    const float phasor_bx_sine_2 = (bx_part_full * cosine_7) + (phasor_bx_cosine * sine_4_7);
+    const float phasor_bx_sine_2_squared = phasor_bx_sine_2 * phasor_bx_sine_2;
+    const float converged_product_25 = phasor_bx_sine_2_squared * field_5;
+    const float converged_product_26 = phasor_bx_sine_2 * (field_1 +
+        (phasor_bx_sine_2_squared * (field_3 + converged_product_25)));
+    const float residuals_3_3 = (turn_yaw_cosine_2 * V_bx_held) - (turn_yaw_sine_2 * V_by_held) - converged_product_26;
+    const float converged_limited_4 = hall_position_limit(offsets_2_2 + converged_product_19 + converged_product_20,
+        largest_change);
+    const float cosine_argument_8 = converged_limited_4 * converged_limited_4;
+    const float cosine_8 = cosine_polynomial(cosine_argument_8);
+    const float sine_4_8 = converged_limited_4 * sine_4_polynomial(cosine_argument_8);
+    const float phasor_by_sine_2 = (by_part_full * cosine_8) + (phasor_by_cosine * sine_4_8);
+    const float phasor_by_sine_2_squared = phasor_by_sine_2 * phasor_by_sine_2;
+    const float converged_product_27 = phasor_by_sine_2_squared * field_5;
+    const float converged_product_28 = phasor_by_sine_2 * (field_1 +
+        (phasor_by_sine_2_squared * (field_3 + converged_product_27)));
+    const float residuals_4_3 = (turn_yaw_cosine_2 * V_by_held) + (turn_yaw_sine_2 * V_bx_held) - converged_product_28;
+    const float converged_sum_2 = (residuals_1_3 * residuals_1_3) + (residuals_2_3 * residuals_2_3) + (residuals_3_3 *
+        residuals_3_3) + (residuals_4_3 * residuals_4_3) + ((prior_weight_phase * (offsets_1_2 * offsets_1_2)) +
+        (prior_weight_phase * (offsets_2_2 * offsets_2_2)) + (prior_weight_yaw * offsets_3_2_squared));
+    const bool converged_test_2 = converged_sum_2 <= ((rounding_factor * converged_choice_4) + slack);
+    const float rows_1_1_3 = ((phasor_ax_cosine * cosine_5) - (ax_part_full * sine_4_5)) * (field_1 +
+        (phasor_ax_sine_2_squared * (field_3_scaled + (5.0f * converged_product_21))));
+    const float arm_times_turn_yaw_cosine_2 = arm * turn_yaw_cosine_2;
+    const float arm_times_turn_yaw_sine_2 = arm * turn_yaw_sine_2;
+    const float rows_1_3_3 = (rows_1_1_3 * (arm_times_turn_yaw_cosine_2 + arm_times_turn_yaw_sine_2)) +
+        converged_product_24;
+    const float rows_2_2_3 = ((phasor_ay_cosine * cosine_6) - (ay_part_full * sine_4_6)) * (field_1 +
+        (phasor_ay_sine_2_squared * (field_3_scaled + (5.0f * converged_product_23))));
+    const float minus_rows_2_3_3 = converged_product_22 -
+        (rows_2_2_3 * (arm_times_turn_yaw_sine_2 - arm_times_turn_yaw_cosine_2));
+    const float rows_3_1_3 = ((phasor_bx_cosine * cosine_7) - (bx_part_full * sine_4_7)) * (field_1 +
+        (phasor_bx_sine_2_squared * (field_3_scaled + (5.0f * converged_product_25))));
+    const float rows_3_3_3 = (rows_3_1_3 * ((-arm * turn_yaw_cosine_2) - arm_times_turn_yaw_sine_2)) +
+        converged_product_28;
+    const float rows_4_2_3 = ((phasor_by_cosine * cosine_8) - (by_part_full * sine_4_8)) * (field_1 +
+        (phasor_by_sine_2_squared * (field_3_scaled + (5.0f * converged_product_27))));
+    const float minus_rows_4_3_3 = converged_product_26 -
+        (rows_4_2_3 * (arm_times_turn_yaw_cosine_2 - arm_times_turn_yaw_sine_2));
+    const float left_3_1_3 = (rows_1_3_3 * rows_1_1_3) + (rows_3_3_3 * rows_3_1_3);
+    const float converged_inverse_5 = 1.0f /
+        ((rows_1_1_3 * rows_1_1_3) + (rows_3_1_3 * rows_3_1_3) + prior_weight_phase);
+    const float lower_3_1_3 = hall_position_limit(left_3_1_3 * converged_inverse_5, largest_L_yaw_phase);
+    const float forward_1_3 = (rows_1_1_3 * residuals_1_3) + (rows_3_1_3 * residuals_3_3) -
+        (prior_weight_phase * offsets_1_2);
+    const float minus_left_3_2_3 = (minus_rows_2_3_3 * rows_2_2_3) + (minus_rows_4_3_3 * rows_4_2_3);
+    const float converged_inverse_6 = 1.0f /
+        ((rows_2_2_3 * rows_2_2_3) + (rows_4_2_3 * rows_4_2_3) + prior_weight_phase);
+    const float lower_3_2_3 = hall_position_limit(-(minus_left_3_2_3 * converged_inverse_6), largest_L_yaw_phase);
+    const float forward_2_3 = (rows_2_2_3 * residuals_2_3) + (rows_4_2_3 * residuals_4_3) -
+        (prior_weight_phase * offsets_2_2);
+    float converged_choice_8 = offsets_3_2;
+    float converged_choice_9 = offsets_1_2;
+    float converged_choice_10 = offsets_2_2;
+    float converged_choice_11 = converged_sum_2;
+    if (!converged_test_2) {
+        converged_choice_8 = converged_choice;
+        converged_choice_9 = converged_choice_2;
+        converged_choice_10 = converged_choice_3;
+        converged_choice_11 = converged_choice_4;
     }
-    float converged_choice_10;
-    if (better_converged_3) {
-        const float converged_denominator_4 = hall_position_max((rows_1_3_converged_4 * rows_1_3_converged_4) +
-            (minus_rows_2_3_converged_4 * minus_rows_2_3_converged_4) + (rows_3_3_converged_4 * rows_3_3_converged_4) +
-            (minus_rows_4_3_converged_4 * minus_rows_4_3_converged_4) + prior_weight_yaw - (lower_3_1_converged_4 *
-            left_3_1_converged_4) + (lower_3_2_converged_4 * minus_left_3_2_converged_4), least_pivot_yaw);
-        converged_choice_10 = then_3_converged_3 + (((rows_1_3_converged_4 * residuals_1_converged_4) -
-            (minus_rows_2_3_converged_4 * residuals_2_converged_4) + (rows_3_3_converged_4 * residuals_3_converged_4) -
-            (minus_rows_4_3_converged_4 * residuals_4_converged_4) - (prior_weight_yaw * then_3_converged_3) -
-            (lower_3_1_converged_4 * gradient_1_converged_4) - (lower_3_2_converged_4 * gradient_2_converged_4)) /
-            converged_denominator_4);
-    } else {
-        converged_choice_10 = 0.5f * (then_3_converged_3 + other_3_converged_3);
-    }
-    const float then_3_converged_4 = hall_position_limit(converged_choice_10, largest_step_yaw);
-    const float then_3_converged_4_squared = then_3_converged_4 * then_3_converged_4;
-    const float sine_converged_4 = then_3_converged_4 * sine_3_polynomial(then_3_converged_4_squared);
-    const float half_converged_4 = then_3_converged_4 * tangent_polynomial(then_3_converged_4_squared);
-    const float fall_converged_4 = sine_converged_4 * ((half_converged_4 * heading_cosine) + heading_sine);
-    const float turns_3_cosine_converged_4 = heading_cosine - fall_converged_4;
-    const float chords_3_sine_converged_4 = sine_converged_4 * (heading_cosine - (half_converged_4 * heading_sine));
-    const float turns_3_sine_converged_4 = heading_sine + chords_3_sine_converged_4;
-    float converged_choice_11;
     float converged_choice_12;
-    if (better_converged_3) {
-        const float moves_3_converged_3 = then_3_converged_4 - then_3_converged_3;
-        converged_choice_11 = then_1_converged_3 +
-            ((gradient_1_converged_4 * converged_inverse_7) - (lower_3_1_converged_4 * moves_3_converged_3));
-        converged_choice_12 = then_2_converged_3 +
-            ((gradient_2_converged_4 * converged_inverse_8) - (lower_3_2_converged_4 * moves_3_converged_3));
+    if (converged_test_2) {
+        const float converged_denominator_3 = hall_position_max((rows_1_3_3 * rows_1_3_3) +
+            (minus_rows_2_3_3 * minus_rows_2_3_3) + (rows_3_3_3 * rows_3_3_3) + (minus_rows_4_3_3 * minus_rows_4_3_3) +
+            prior_weight_yaw - (lower_3_1_3 * left_3_1_3) + (lower_3_2_3 * minus_left_3_2_3), least_pivot_yaw);
+        converged_choice_12 = offsets_3_2 + (((rows_1_3_3 * residuals_1_3) - (minus_rows_2_3_3 * residuals_2_3) +
+            (rows_3_3_3 * residuals_3_3) - (minus_rows_4_3_3 * residuals_4_3) - (prior_weight_yaw * offsets_3_2) -
+            (lower_3_1_3 * forward_1_3) - (lower_3_2_3 * forward_2_3)) / converged_denominator_3);
     } else {
-        converged_choice_11 = 0.5f * (then_1_converged_3 + other_1_converged_3);
-        converged_choice_12 = 0.5f * (then_2_converged_3 + other_2_converged_3);
+        converged_choice_12 = 0.5f * (offsets_3_2 + converged_choice_8);
     }
-    const float then_1_converged_4 = hall_position_limit(converged_choice_11, largest_step_phase);
-    const float converged_product_45 = arm * hall_position_limit(-fall_converged_4, largest_step_yaw);
-    const float converged_product_46 = arm * hall_position_limit(chords_3_sine_converged_4, largest_step_yaw);
-    const float by_ax_converged_4 = hall_position_limit(then_1_converged_4 - converged_product_45 +
-        converged_product_46, largest_change);
-    const float cosine_argument_13 = by_ax_converged_4 * by_ax_converged_4;
-    const float by_cosine_ax_converged_4 = cosine_polynomial(cosine_argument_13);
-    const float by_sine_ax_converged_4 = by_ax_converged_4 * sine_4_polynomial(cosine_argument_13);
-    const float phasors_1_sine_converged_4 = (ax_part_full * by_cosine_ax_converged_4) +
-        (start_cosine_ax * by_sine_ax_converged_4);
-    const float converged_square_13 = phasors_1_sine_converged_4 * phasors_1_sine_converged_4;
-    const float converged_product_47 = converged_square_13 * field_5;
-    const float converged_product_48 = phasors_1_sine_converged_4 * (field_1 +
-        (converged_square_13 * (field_3 + converged_product_47)));
-    const float residuals_1_converged_5 = (turns_3_cosine_converged_4 * V_ax_held) -
-        (turns_3_sine_converged_4 * V_ay_held) - converged_product_48;
-    const float then_2_converged_4 = hall_position_limit(converged_choice_12, largest_step_phase);
-    const float by_ay_converged_4 = hall_position_limit(then_2_converged_4 - converged_product_45 -
-        converged_product_46, largest_change);
-    const float cosine_argument_14 = by_ay_converged_4 * by_ay_converged_4;
-    const float by_cosine_ay_converged_4 = cosine_polynomial(cosine_argument_14);
-    const float by_sine_ay_converged_4 = by_ay_converged_4 * sine_4_polynomial(cosine_argument_14);
-    const float phasors_2_sine_converged_4 = (ay_part_full * by_cosine_ay_converged_4) +
-        (start_cosine_ay * by_sine_ay_converged_4);
-    const float converged_square_14 = phasors_2_sine_converged_4 * phasors_2_sine_converged_4;
-    const float converged_product_49 = converged_square_14 * field_5;
-    const float converged_product_50 = phasors_2_sine_converged_4 * (field_1 +
-        (converged_square_14 * (field_3 + converged_product_49)));
-    const float residuals_2_converged_5 = (turns_3_cosine_converged_4 * V_ay_held) +
-        (turns_3_sine_converged_4 * V_ax_held) - converged_product_50;
-    const float by_bx_converged_4 = hall_position_limit(then_1_converged_4 + converged_product_45 -
-        converged_product_46, largest_change);
-    const float cosine_argument_15 = by_bx_converged_4 * by_bx_converged_4;
-    const float by_cosine_bx_converged_4 = cosine_polynomial(cosine_argument_15);
-    const float by_sine_bx_converged_4 = by_bx_converged_4 * sine_4_polynomial(cosine_argument_15);
-    const float phasors_3_sine_converged_4 = (bx_part_full * by_cosine_bx_converged_4) +
-        (start_cosine_bx * by_sine_bx_converged_4);
-    const float converged_square_15 = phasors_3_sine_converged_4 * phasors_3_sine_converged_4;
-    const float converged_product_51 = converged_square_15 * field_5;
-    const float converged_product_52 = phasors_3_sine_converged_4 * (field_1 +
-        (converged_square_15 * (field_3 + converged_product_51)));
-    const float residuals_3_converged_5 = (turns_3_cosine_converged_4 * V_bx_held) -
-        (turns_3_sine_converged_4 * V_by_held) - converged_product_52;
-    const float by_converged_4 = hall_position_limit(then_2_converged_4 + converged_product_45 + converged_product_46,
+    const float offsets_3_3 = hall_position_limit(converged_choice_12, largest_step_yaw);
+    const float offsets_3_3_squared = offsets_3_3 * offsets_3_3;
+    const float chord_sine_yaw_3 = offsets_3_3 * sine_3_polynomial(offsets_3_3_squared);
+    const float half_tangent_yaw_3 = offsets_3_3 * tangent_polynomial(offsets_3_3_squared);
+    const float fall_yaw_3 = chord_sine_yaw_3 * ((half_tangent_yaw_3 * ax_part_cosine_sum) + ax_part_cosine_limited_2);
+    const float turn_yaw_cosine_3 = ax_part_cosine_sum - fall_yaw_3;
+    const float chord_yaw_sine_3 = chord_sine_yaw_3 * (ax_part_cosine_sum -
+        (half_tangent_yaw_3 * ax_part_cosine_limited_2));
+    const float turn_yaw_sine_3 = ax_part_cosine_limited_2 + chord_yaw_sine_3;
+    float converged_choice_13;
+    float converged_choice_14;
+    if (converged_test_2) {
+        const float converged_sum_3 = offsets_3_3 - offsets_3_2;
+        converged_choice_13 = offsets_1_2 + ((forward_1_3 * converged_inverse_5) - (lower_3_1_3 * converged_sum_3));
+        converged_choice_14 = offsets_2_2 + ((forward_2_3 * converged_inverse_6) - (lower_3_2_3 * converged_sum_3));
+    } else {
+        converged_choice_13 = 0.5f * (offsets_1_2 + converged_choice_9);
+        converged_choice_14 = 0.5f * (offsets_2_2 + converged_choice_10);
+    }
+    const float offsets_1_3 = hall_position_limit(converged_choice_13, largest_step_phase);
+    const float converged_product_29 = arm * hall_position_limit(-fall_yaw_3, largest_step_yaw);
+    const float converged_product_30 = arm * hall_position_limit(chord_yaw_sine_3, largest_step_yaw);
+    const float converged_limited_5 = hall_position_limit(offsets_1_3 - converged_product_29 + converged_product_30,
         largest_change);
-    const float cosine_argument_16 = by_converged_4 * by_converged_4;
-    const float by_cosine_converged_4 = cosine_polynomial(cosine_argument_16);
-    const float by_sine_converged_4 = by_converged_4 * sine_4_polynomial(cosine_argument_16);
-    const float phasors_4_sine_converged_4 = (by_part_full * by_cosine_converged_4) +
-        (start_cosine_by * by_sine_converged_4);
-    const float converged_square_16 = phasors_4_sine_converged_4 * phasors_4_sine_converged_4;
-    const float converged_product_53 = converged_square_16 * field_5;
-    const float converged_product_54 = phasors_4_sine_converged_4 * (field_1 +
-        (converged_square_16 * (field_3 + converged_product_53)));
-    const float residuals_4_converged_5 = (turns_3_cosine_converged_4 * V_by_held) +
-        (turns_3_sine_converged_4 * V_bx_held) - converged_product_54;
-    const float squares_converged_2 = (residuals_1_converged_5 * residuals_1_converged_5) +
-        (residuals_2_converged_5 * residuals_2_converged_5) + (residuals_3_converged_5 * residuals_3_converged_5) +
-        (residuals_4_converged_5 * residuals_4_converged_5);
+    const float cosine_argument_9 = converged_limited_5 * converged_limited_5;
+    const float cosine_9 = cosine_polynomial(cosine_argument_9);
+    const float sine_4_9 = converged_limited_5 * sine_4_polynomial(cosine_argument_9);
+    const float phasor_ax_sine_3 = (ax_part_full * cosine_9) + (phasor_ax_cosine * sine_4_9);
+    const float phasor_ax_sine_3_squared = phasor_ax_sine_3 * phasor_ax_sine_3;
+    const float converged_product_31 = phasor_ax_sine_3_squared * field_5;
+    const float converged_product_32 = phasor_ax_sine_3 * (field_1 +
+        (phasor_ax_sine_3_squared * (field_3 + converged_product_31)));
+    const float residuals_1_4 = (turn_yaw_cosine_3 * V_ax_held) - (turn_yaw_sine_3 * V_ay_held) - converged_product_32;
+    const float offsets_2_3 = hall_position_limit(converged_choice_14, largest_step_phase);
+    const float converged_limited_6 = hall_position_limit(offsets_2_3 - converged_product_29 - converged_product_30,
+        largest_change);
+    const float cosine_argument_10 = converged_limited_6 * converged_limited_6;
+    const float cosine_10 = cosine_polynomial(cosine_argument_10);
+    const float sine_4_10 = converged_limited_6 * sine_4_polynomial(cosine_argument_10);
+    const float phasor_ay_sine_3 = (ay_part_full * cosine_10) + (phasor_ay_cosine * sine_4_10);
+    const float phasor_ay_sine_3_squared = phasor_ay_sine_3 * phasor_ay_sine_3;
+    const float converged_product_33 = phasor_ay_sine_3_squared * field_5;
+    const float converged_product_34 = phasor_ay_sine_3 * (field_1 +
+        (phasor_ay_sine_3_squared * (field_3 + converged_product_33)));
+    const float residuals_2_4 = (turn_yaw_cosine_3 * V_ay_held) + (turn_yaw_sine_3 * V_ax_held) - converged_product_34;
+    const float converged_limited_7 = hall_position_limit(offsets_1_3 + converged_product_29 - converged_product_30,
+        largest_change);
+    const float cosine_argument_11 = converged_limited_7 * converged_limited_7;
+    const float cosine_11 = cosine_polynomial(cosine_argument_11);
+    const float sine_4_11 = converged_limited_7 * sine_4_polynomial(cosine_argument_11);
+    const float phasor_bx_sine_3 = (bx_part_full * cosine_11) + (phasor_bx_cosine * sine_4_11);
+    const float phasor_bx_sine_3_squared = phasor_bx_sine_3 * phasor_bx_sine_3;
+    const float converged_product_35 = phasor_bx_sine_3_squared * field_5;
+    const float converged_product_36 = phasor_bx_sine_3 * (field_1 +
+        (phasor_bx_sine_3_squared * (field_3 + converged_product_35)));
+    const float residuals_3_4 = (turn_yaw_cosine_3 * V_bx_held) - (turn_yaw_sine_3 * V_by_held) - converged_product_36;
+    const float converged_limited_8 = hall_position_limit(offsets_2_3 + converged_product_29 + converged_product_30,
+        largest_change);
+    const float cosine_argument_12 = converged_limited_8 * converged_limited_8;
+    const float cosine_12 = cosine_polynomial(cosine_argument_12);
+    const float sine_4_12 = converged_limited_8 * sine_4_polynomial(cosine_argument_12);
+    const float phasor_by_sine_3 = (by_part_full * cosine_12) + (phasor_by_cosine * sine_4_12);
+    const float phasor_by_sine_3_squared = phasor_by_sine_3 * phasor_by_sine_3;
+    const float converged_product_37 = phasor_by_sine_3_squared * field_5;
+    const float converged_product_38 = phasor_by_sine_3 * (field_1 +
+        (phasor_by_sine_3_squared * (field_3 + converged_product_37)));
+    const float residuals_4_4 = (turn_yaw_cosine_3 * V_by_held) + (turn_yaw_sine_3 * V_bx_held) - converged_product_38;
+    const float converged_sum_4 = (residuals_1_4 * residuals_1_4) + (residuals_2_4 * residuals_2_4) + (residuals_3_4 *
+        residuals_3_4) + (residuals_4_4 * residuals_4_4) + ((prior_weight_phase * (offsets_1_3 * offsets_1_3)) +
+        (prior_weight_phase * (offsets_2_3 * offsets_2_3)) + (prior_weight_yaw * offsets_3_3_squared));
+    const bool converged_test_3 = converged_sum_4 <= ((rounding_factor * converged_choice_11) + slack);
+    const float rows_1_1_4 = ((phasor_ax_cosine * cosine_9) - (ax_part_full * sine_4_9)) * (field_1 +
+        (phasor_ax_sine_3_squared * (field_3_scaled + (5.0f * converged_product_31))));
+    const float arm_times_turn_yaw_cosine_3 = arm * turn_yaw_cosine_3;
+    const float arm_times_turn_yaw_sine_3 = arm * turn_yaw_sine_3;
+    const float rows_1_3_4 = (rows_1_1_4 * (arm_times_turn_yaw_cosine_3 + arm_times_turn_yaw_sine_3)) +
+        converged_product_34;
+    const float rows_2_2_4 = ((phasor_ay_cosine * cosine_10) - (ay_part_full * sine_4_10)) * (field_1 +
+        (phasor_ay_sine_3_squared * (field_3_scaled + (5.0f * converged_product_33))));
+    const float minus_rows_2_3_4 = converged_product_32 -
+        (rows_2_2_4 * (arm_times_turn_yaw_sine_3 - arm_times_turn_yaw_cosine_3));
+    const float rows_3_1_4 = ((phasor_bx_cosine * cosine_11) - (bx_part_full * sine_4_11)) * (field_1 +
+        (phasor_bx_sine_3_squared * (field_3_scaled + (5.0f * converged_product_35))));
+    const float rows_3_3_4 = (rows_3_1_4 * ((-arm * turn_yaw_cosine_3) - arm_times_turn_yaw_sine_3)) +
+        converged_product_38;
+    const float rows_4_2_4 = ((phasor_by_cosine * cosine_12) - (by_part_full * sine_4_12)) * (field_1 +
+        (phasor_by_sine_3_squared * (field_3_scaled + (5.0f * converged_product_37))));
+    const float minus_rows_4_3_4 = converged_product_36 -
+        (rows_4_2_4 * (arm_times_turn_yaw_cosine_3 - arm_times_turn_yaw_sine_3));
+    const float left_3_1_4 = (rows_1_3_4 * rows_1_1_4) + (rows_3_3_4 * rows_3_1_4);
+    const float converged_inverse_7 = 1.0f /
+        ((rows_1_1_4 * rows_1_1_4) + (rows_3_1_4 * rows_3_1_4) + prior_weight_phase);
+    const float lower_3_1_4 = hall_position_limit(left_3_1_4 * converged_inverse_7, largest_L_yaw_phase);
+    const float forward_1_4 = (rows_1_1_4 * residuals_1_4) + (rows_3_1_4 * residuals_3_4) -
+        (prior_weight_phase * offsets_1_3);
+    const float minus_left_3_2_4 = (minus_rows_2_3_4 * rows_2_2_4) + (minus_rows_4_3_4 * rows_4_2_4);
+    const float converged_inverse_8 = 1.0f /
+        ((rows_2_2_4 * rows_2_2_4) + (rows_4_2_4 * rows_4_2_4) + prior_weight_phase);
+    const float lower_3_2_4 = hall_position_limit(-(minus_left_3_2_4 * converged_inverse_8), largest_L_yaw_phase);
+    const float forward_2_4 = (rows_2_2_4 * residuals_2_4) + (rows_4_2_4 * residuals_4_4) -
+        (prior_weight_phase * offsets_2_3);
+    float converged_choice_15 = offsets_3_3;
+    float converged_choice_16 = offsets_1_3;
+    float converged_choice_17 = offsets_2_3;
+    float converged_choice_18 = converged_sum_4;
+    if (!converged_test_3) {
+        converged_choice_15 = converged_choice_8;
+        converged_choice_16 = converged_choice_9;
+        converged_choice_17 = converged_choice_10;
+        converged_choice_18 = converged_choice_11;
+    }
+    float converged_choice_19;
+    if (converged_test_3) {
+        const float converged_denominator_4 = hall_position_max((rows_1_3_4 * rows_1_3_4) +
+            (minus_rows_2_3_4 * minus_rows_2_3_4) + (rows_3_3_4 * rows_3_3_4) + (minus_rows_4_3_4 * minus_rows_4_3_4) +
+            prior_weight_yaw - (lower_3_1_4 * left_3_1_4) + (lower_3_2_4 * minus_left_3_2_4), least_pivot_yaw);
+        converged_choice_19 = offsets_3_3 + (((rows_1_3_4 * residuals_1_4) - (minus_rows_2_3_4 * residuals_2_4) +
+            (rows_3_3_4 * residuals_3_4) - (minus_rows_4_3_4 * residuals_4_4) - (prior_weight_yaw * offsets_3_3) -
+            (lower_3_1_4 * forward_1_4) - (lower_3_2_4 * forward_2_4)) / converged_denominator_4);
+    } else {
+        converged_choice_19 = 0.5f * (offsets_3_3 + converged_choice_15);
+    }
+    const float offsets_3_4 = hall_position_limit(converged_choice_19, largest_step_yaw);
+    const float offsets_3_4_squared = offsets_3_4 * offsets_3_4;
+    const float chord_sine_yaw_4 = offsets_3_4 * sine_3_polynomial(offsets_3_4_squared);
+    const float half_tangent_yaw_4 = offsets_3_4 * tangent_polynomial(offsets_3_4_squared);
+    const float fall_yaw_4 = chord_sine_yaw_4 * ((half_tangent_yaw_4 * ax_part_cosine_sum) + ax_part_cosine_limited_2);
+    const float turn_yaw_cosine_4 = ax_part_cosine_sum - fall_yaw_4;
+    const float chord_yaw_sine_4 = chord_sine_yaw_4 * (ax_part_cosine_sum -
+        (half_tangent_yaw_4 * ax_part_cosine_limited_2));
+    const float turn_yaw_sine_4 = ax_part_cosine_limited_2 + chord_yaw_sine_4;
+    float converged_choice_20;
+    float converged_choice_21;
+    if (converged_test_3) {
+        const float converged_sum_5 = offsets_3_4 - offsets_3_3;
+        converged_choice_20 = offsets_1_3 + ((forward_1_4 * converged_inverse_7) - (lower_3_1_4 * converged_sum_5));
+        converged_choice_21 = offsets_2_3 + ((forward_2_4 * converged_inverse_8) - (lower_3_2_4 * converged_sum_5));
+    } else {
+        converged_choice_20 = 0.5f * (offsets_1_3 + converged_choice_16);
+        converged_choice_21 = 0.5f * (offsets_2_3 + converged_choice_17);
+    }
+    const float offsets_1_4 = hall_position_limit(converged_choice_20, largest_step_phase);
+    const float converged_product_39 = arm * hall_position_limit(-fall_yaw_4, largest_step_yaw);
+    const float converged_product_40 = arm * hall_position_limit(chord_yaw_sine_4, largest_step_yaw);
+    const float converged_limited_9 = hall_position_limit(offsets_1_4 - converged_product_39 + converged_product_40,
+        largest_change);
+    const float cosine_argument_13 = converged_limited_9 * converged_limited_9;
+    const float cosine_13 = cosine_polynomial(cosine_argument_13);
+    const float sine_4_13 = converged_limited_9 * sine_4_polynomial(cosine_argument_13);
+    const float phasor_ax_sine_4 = (ax_part_full * cosine_13) + (phasor_ax_cosine * sine_4_13);
+    const float phasor_ax_sine_4_squared = phasor_ax_sine_4 * phasor_ax_sine_4;
+    const float converged_product_41 = phasor_ax_sine_4_squared * field_5;
+    const float converged_product_42 = phasor_ax_sine_4 * (field_1 +
+        (phasor_ax_sine_4_squared * (field_3 + converged_product_41)));
+    const float residuals_1_5 = (turn_yaw_cosine_4 * V_ax_held) - (turn_yaw_sine_4 * V_ay_held) - converged_product_42;
+    const float offsets_2_4 = hall_position_limit(converged_choice_21, largest_step_phase);
+    const float converged_limited_10 = hall_position_limit(offsets_2_4 - converged_product_39 - converged_product_40,
+        largest_change);
+    const float cosine_argument_14 = converged_limited_10 * converged_limited_10;
+    const float cosine_14 = cosine_polynomial(cosine_argument_14);
+    const float sine_4_14 = converged_limited_10 * sine_4_polynomial(cosine_argument_14);
+    const float phasor_ay_sine_4 = (ay_part_full * cosine_14) + (phasor_ay_cosine * sine_4_14);
+    const float phasor_ay_sine_4_squared = phasor_ay_sine_4 * phasor_ay_sine_4;
+    const float converged_product_43 = phasor_ay_sine_4_squared * field_5;
+    const float converged_product_44 = phasor_ay_sine_4 * (field_1 +
+        (phasor_ay_sine_4_squared * (field_3 + converged_product_43)));
+    const float residuals_2_5 = (turn_yaw_cosine_4 * V_ay_held) + (turn_yaw_sine_4 * V_ax_held) - converged_product_44;
+    const float converged_limited_11 = hall_position_limit(offsets_1_4 + converged_product_39 - converged_product_40,
+        largest_change);
+    const float cosine_argument_15 = converged_limited_11 * converged_limited_11;
+    const float cosine_15 = cosine_polynomial(cosine_argument_15);
+    const float sine_4_15 = converged_limited_11 * sine_4_polynomial(cosine_argument_15);
+    const float phasor_bx_sine_4 = (bx_part_full * cosine_15) + (phasor_bx_cosine * sine_4_15);
+    const float phasor_bx_sine_4_squared = phasor_bx_sine_4 * phasor_bx_sine_4;
+    const float converged_product_45 = phasor_bx_sine_4_squared * field_5;
+    const float converged_product_46 = phasor_bx_sine_4 * (field_1 +
+        (phasor_bx_sine_4_squared * (field_3 + converged_product_45)));
+    const float residuals_3_5 = (turn_yaw_cosine_4 * V_bx_held) - (turn_yaw_sine_4 * V_by_held) - converged_product_46;
+    const float converged_limited_12 = hall_position_limit(offsets_2_4 + converged_product_39 + converged_product_40,
+        largest_change);
+    const float cosine_argument_16 = converged_limited_12 * converged_limited_12;
+    const float cosine_16 = cosine_polynomial(cosine_argument_16);
+    const float sine_4_16 = converged_limited_12 * sine_4_polynomial(cosine_argument_16);
+    const float phasor_by_sine_4 = (by_part_full * cosine_16) + (phasor_by_cosine * sine_4_16);
+    const float phasor_by_sine_4_squared = phasor_by_sine_4 * phasor_by_sine_4;
+    const float converged_product_47 = phasor_by_sine_4_squared * field_5;
+    const float converged_product_48 = phasor_by_sine_4 * (field_1 +
+        (phasor_by_sine_4_squared * (field_3 + converged_product_47)));
+    const float residuals_4_5 = (turn_yaw_cosine_4 * V_by_held) + (turn_yaw_sine_4 * V_bx_held) - converged_product_48;
+    const float squares_2 = (residuals_1_5 * residuals_1_5) + (residuals_2_5 * residuals_2_5) +
+        (residuals_3_5 * residuals_3_5) + (residuals_4_5 * residuals_4_5);
     const uint32_t ambiguity_resolved = state->ambiguity_resolved;
-    const float then_1_converged_4_squared = then_1_converged_4 * then_1_converged_4;
-    const float then_2_converged_4_squared = then_2_converged_4 * then_2_converged_4;
+    const float offsets_1_4_squared = offsets_1_4 * offsets_1_4;
+    const float offsets_2_4_squared = offsets_2_4 * offsets_2_4;
     const bool gate_exceeded = squared_gate <
-        (then_1_converged_4_squared + then_2_converged_4_squared + (squared_radius * then_3_converged_4_squared));
+        (offsets_1_4_squared + offsets_2_4_squared + (squared_radius * offsets_3_4_squared));
     const uint32_t searching = state->searching;
-    const bool better_converged_4 = (squares_converged_2 + ((prior_weight_phase * then_1_converged_4_squared) +
-        (prior_weight_phase * then_2_converged_4_squared) + (prior_weight_yaw * then_3_converged_4_squared))) <=
-        ((rounding_factor * converged_choice_9) + slack);
-    const float rows_1_1_converged_5 = ((start_cosine_ax * by_cosine_ax_converged_4) - (ax_part_full *
-        by_sine_ax_converged_4)) * (field_1 + (converged_square_13 * (field_3_scaled + (5.0f * converged_product_47))));
-    const float rows_3_1_converged_5 = ((start_cosine_bx * by_cosine_bx_converged_4) - (bx_part_full *
-        by_sine_bx_converged_4)) * (field_1 + (converged_square_15 * (field_3_scaled + (5.0f * converged_product_51))));
-    const float gradient_1_converged_5 = (rows_1_1_converged_5 * residuals_1_converged_5) +
-        (rows_3_1_converged_5 * residuals_3_converged_5) - (prior_weight_phase * then_1_converged_4);
-    const float inverse_1 = 1.0f / ((rows_1_1_converged_5 * rows_1_1_converged_5) +
-        (rows_3_1_converged_5 * rows_3_1_converged_5) + prior_weight_phase);
-    const float converged_product_55 = gradient_1_converged_5 * inverse_1;
-    const float rows_2_2_converged_5 = ((start_cosine_ay * by_cosine_ay_converged_4) - (ay_part_full *
-        by_sine_ay_converged_4)) * (field_1 + (converged_square_14 * (field_3_scaled + (5.0f * converged_product_49))));
-    const float rows_4_2_converged_5 = ((start_cosine_by * by_cosine_converged_4) - (by_part_full *
-        by_sine_converged_4)) * (field_1 + (converged_square_16 * (field_3_scaled + (5.0f * converged_product_53))));
-    const float gradient_2_converged_5 = (rows_2_2_converged_5 * residuals_2_converged_5) +
-        (rows_4_2_converged_5 * residuals_4_converged_5) - (prior_weight_phase * then_2_converged_4);
-    const float inverse_2 = 1.0f / ((rows_2_2_converged_5 * rows_2_2_converged_5) +
-        (rows_4_2_converged_5 * rows_4_2_converged_5) + prior_weight_phase);
-    const float converged_product_56 = gradient_2_converged_5 * inverse_2;
-    const float converged_product_57 = arm * turns_3_cosine_converged_4;
-    const float converged_product_58 = arm * turns_3_sine_converged_4;
-    const float rows_1_3_converged_5 = (rows_1_1_converged_5 * (converged_product_57 + converged_product_58)) +
-        converged_product_50;
-    const float minus_rows_2_3_converged_5 = converged_product_48 -
-        (rows_2_2_converged_5 * (converged_product_58 - converged_product_57));
-    const float rows_3_3_converged_5 = (rows_3_1_converged_5 * ((-arm * turns_3_cosine_converged_4) -
-        converged_product_58)) + converged_product_54;
-    const float minus_rows_4_3_converged_5 = converged_product_52 -
-        (rows_4_2_converged_5 * (converged_product_57 - converged_product_58));
-    const float left_3_1_converged_5 = (rows_1_3_converged_5 * rows_1_1_converged_5) +
-        (rows_3_3_converged_5 * rows_3_1_converged_5);
-    const float by_yaw_X = hall_position_limit(left_3_1_converged_5 * inverse_1, largest_L_yaw_phase);
-    const float minus_left_3_2_converged_5 = (minus_rows_2_3_converged_5 * rows_2_2_converged_5) +
-        (minus_rows_4_3_converged_5 * rows_4_2_converged_5);
-    const float by_yaw_Y = hall_position_limit(-(minus_left_3_2_converged_5 * inverse_2), largest_L_yaw_phase);
-    const float forward_3_converged = (rows_1_3_converged_5 * residuals_1_converged_5) -
-        (minus_rows_2_3_converged_5 * residuals_2_converged_5) + (rows_3_3_converged_5 * residuals_3_converged_5) -
-        (minus_rows_4_3_converged_5 * residuals_4_converged_5) - (prior_weight_yaw * then_3_converged_4) -
-        (by_yaw_X * gradient_1_converged_5) - (by_yaw_Y * gradient_2_converged_5);
-    const float pivot = hall_position_max((rows_1_3_converged_5 * rows_1_3_converged_5) +
-        (minus_rows_2_3_converged_5 * minus_rows_2_3_converged_5) + (rows_3_3_converged_5 * rows_3_3_converged_5) +
-        (minus_rows_4_3_converged_5 * minus_rows_4_3_converged_5) + prior_weight_yaw -
-        (by_yaw_X * left_3_1_converged_5) + (by_yaw_Y * minus_left_3_2_converged_5), least_pivot_yaw);
-    const float step_converged = forward_3_converged / pivot;
-    const bool converged = better_converged_4 &&
-        (((gradient_1_converged_5 * converged_product_55) + (gradient_2_converged_5 * converged_product_56) +
-        (forward_3_converged * step_converged)) <= decrease_tolerance);
+    const bool better = (squares_2 + ((prior_weight_phase * offsets_1_4_squared) +
+        (prior_weight_phase * offsets_2_4_squared) + (prior_weight_yaw * offsets_3_4_squared))) <=
+        ((rounding_factor * converged_choice_18) + slack);
+    const float rows_1_1_5 = ((phasor_ax_cosine * cosine_13) - (ax_part_full * sine_4_13)) * (field_1 +
+        (phasor_ax_sine_4_squared * (field_3_scaled + (5.0f * converged_product_41))));
+    const float rows_3_1_5 = ((phasor_bx_cosine * cosine_15) - (bx_part_full * sine_4_15)) * (field_1 +
+        (phasor_bx_sine_4_squared * (field_3_scaled + (5.0f * converged_product_45))));
+    const float forward_1_5 = (rows_1_1_5 * residuals_1_5) + (rows_3_1_5 * residuals_3_5) -
+        (prior_weight_phase * offsets_1_4);
+    const float inverse_1 = 1.0f / ((rows_1_1_5 * rows_1_1_5) + (rows_3_1_5 * rows_3_1_5) + prior_weight_phase);
+    const float forward_1_5_times_inverse_1 = forward_1_5 * inverse_1;
+    const float rows_2_2_5 = ((phasor_ay_cosine * cosine_14) - (ay_part_full * sine_4_14)) * (field_1 +
+        (phasor_ay_sine_4_squared * (field_3_scaled + (5.0f * converged_product_43))));
+    const float rows_4_2_5 = ((phasor_by_cosine * cosine_16) - (by_part_full * sine_4_16)) * (field_1 +
+        (phasor_by_sine_4_squared * (field_3_scaled + (5.0f * converged_product_47))));
+    const float forward_2_5 = (rows_2_2_5 * residuals_2_5) + (rows_4_2_5 * residuals_4_5) -
+        (prior_weight_phase * offsets_2_4);
+    const float inverse_2 = 1.0f / ((rows_2_2_5 * rows_2_2_5) + (rows_4_2_5 * rows_4_2_5) + prior_weight_phase);
+    const float forward_2_5_times_inverse_2 = forward_2_5 * inverse_2;
+    const float arm_times_turn_yaw_cosine_4 = arm * turn_yaw_cosine_4;
+    const float arm_times_turn_yaw_sine_4 = arm * turn_yaw_sine_4;
+    const float rows_1_3_5 = (rows_1_1_5 * (arm_times_turn_yaw_cosine_4 + arm_times_turn_yaw_sine_4)) +
+        converged_product_44;
+    const float minus_rows_2_3_5 = converged_product_42 -
+        (rows_2_2_5 * (arm_times_turn_yaw_sine_4 - arm_times_turn_yaw_cosine_4));
+    const float rows_3_3_5 = (rows_3_1_5 * ((-arm * turn_yaw_cosine_4) - arm_times_turn_yaw_sine_4)) +
+        converged_product_48;
+    const float minus_rows_4_3_5 = converged_product_46 -
+        (rows_4_2_5 * (arm_times_turn_yaw_cosine_4 - arm_times_turn_yaw_sine_4));
+    const float left_3_1_5 = (rows_1_3_5 * rows_1_1_5) + (rows_3_3_5 * rows_3_1_5);
+    const float by_yaw_X = hall_position_limit(left_3_1_5 * inverse_1, largest_L_yaw_phase);
+    const float minus_left_3_2_5 = (minus_rows_2_3_5 * rows_2_2_5) + (minus_rows_4_3_5 * rows_4_2_5);
+    const float by_yaw_Y = hall_position_limit(-(minus_left_3_2_5 * inverse_2), largest_L_yaw_phase);
+    const float forward_3 = (rows_1_3_5 * residuals_1_5) - (minus_rows_2_3_5 * residuals_2_5) +
+        (rows_3_3_5 * residuals_3_5) - (minus_rows_4_3_5 * residuals_4_5) - (prior_weight_yaw * offsets_3_4) -
+        (by_yaw_X * forward_1_5) - (by_yaw_Y * forward_2_5);
+    const float pivot = hall_position_max((rows_1_3_5 * rows_1_3_5) + (minus_rows_2_3_5 * minus_rows_2_3_5) +
+        (rows_3_3_5 * rows_3_3_5) + (minus_rows_4_3_5 * minus_rows_4_3_5) + prior_weight_yaw - (by_yaw_X * left_3_1_5) +
+        (by_yaw_Y * minus_left_3_2_5), least_pivot_yaw);
+    const float step = forward_3 / pivot;
+    const bool converged = better && (((forward_1_5 * forward_1_5_times_inverse_1) +
+        (forward_2_5 * forward_2_5_times_inverse_2) + (forward_3 * step)) <= decrease_tolerance);
     float at_3;
     float at_1;
     float at_2;
     if (converged) {
-        const float untried_3 = hall_position_limit(then_3_converged_4 + step_converged, largest_step_yaw);
+        const float untried_3 = hall_position_limit(offsets_3_4 + step, largest_step_yaw);
         at_3 = untried_3;
-        const float moves_3_X = untried_3 - then_3_converged_4;
-        at_1 = hall_position_limit(then_1_converged_4 + (converged_product_55 - (by_yaw_X * moves_3_X)),
-            largest_step_phase);
-        at_2 = hall_position_limit(then_2_converged_4 + (converged_product_56 - (by_yaw_Y * moves_3_X)),
-            largest_step_phase);
-    } else if (better_converged_4) {
-        at_3 = then_3_converged_4;
-        at_1 = then_1_converged_4;
-        at_2 = then_2_converged_4;
+        const float untried_3_minus_offsets_3_4 = untried_3 - offsets_3_4;
+        at_1 = hall_position_limit(offsets_1_4 +
+            (forward_1_5_times_inverse_1 - (by_yaw_X * untried_3_minus_offsets_3_4)), largest_step_phase);
+        at_2 = hall_position_limit(offsets_2_4 +
+            (forward_2_5_times_inverse_2 - (by_yaw_Y * untried_3_minus_offsets_3_4)), largest_step_phase);
+    } else if (better) {
+        at_3 = offsets_3_4;
+        at_1 = offsets_1_4;
+        at_2 = offsets_2_4;
     } else {
-        at_3 = other_3_converged_3;
-        at_1 = other_1_converged_3;
-        at_2 = other_2_converged_3;
+        at_3 = converged_choice_15;
+        at_1 = converged_choice_16;
+        at_2 = converged_choice_17;
     }
     const float yaw_last_good = state->yaw_last_good;
     const bool in_window = fabsf(prediction_yaw + at_3 - yaw_last_good) <= yaw_window;
-    const bool integrity_residual_fault = (residual_limit < squares_converged_2) ||
+    const bool integrity_residual_fault = (residual_limit < squares_2) ||
         ((ambiguity_resolved != 0u) ? gate_exceeded : ((searching != 0u) && !in_window));
     const uint32_t residual_faults = state->residual_faults;
     const bool exhausted = 4u <= residual_faults;
@@ -913,52 +839,52 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const bool tracking = searching == 0u;
     float by_phase_x = 0.0f;
     float by_phase_y = 0.0f;
-    float yaw_2 = 0.0f;
+    float by_yaw = 0.0f;
     float motion_x_change = 0.0f;
     float motion_y_change = 0.0f;
     float motion_yaw_change = 0.0f;
     if (!(integrity_residual_fault && tracking)) {
         by_phase_x = at_1;
         by_phase_y = at_2;
-        yaw_2 = at_3;
+        by_yaw = at_3;
         motion_x_change = 0.5f * at_1;
         motion_y_change = 0.5f * at_2;
         motion_yaw_change = yaw_velocity_gain * at_3;
     }
     const float moved_x = prediction_phase_x + by_phase_x;
-    const bool turns_x_X = pi < moved_x;
+    const bool turns_x = pi < moved_x;
     float angle_x = moved_x;
-    if (turns_x_X) {
+    if (turns_x) {
         angle_x = moved_x - two_pi;
     }
     float pose_phase_x = angle_x;
-    float turns_x_X_2 = -1.0f;
+    float X_if_acquired = -1.0f;
     if (angle_x < -pi) {
         pose_phase_x = angle_x + two_pi;
     } else {
-        turns_x_X_2 = turns_x_X ? 1.0f : 0.0f;
+        X_if_acquired = turns_x ? 1.0f : 0.0f;
     }
     const float moved_y = prediction_phase_y + by_phase_y;
-    const bool turns_y_Y = pi < moved_y;
+    const bool turns_y = pi < moved_y;
     float angle_y = moved_y;
-    if (turns_y_Y) {
+    if (turns_y) {
         angle_y = moved_y - two_pi;
     }
     float pose_phase_y = angle_y;
-    float turns_y_Y_2 = -1.0f;
+    float Y_if_acquired = -1.0f;
     if (angle_y < -pi) {
         pose_phase_y = angle_y + two_pi;
     } else {
-        turns_y_Y_2 = turns_y_Y ? 1.0f : 0.0f;
+        Y_if_acquired = turns_y ? 1.0f : 0.0f;
     }
-    const float prediction_yaw_plus_yaw_2 = prediction_yaw + yaw_2;
-    float angle = prediction_yaw_plus_yaw_2;
-    if (pi < prediction_yaw_plus_yaw_2) {
-        angle = prediction_yaw_plus_yaw_2 - two_pi;
+    const float prediction_yaw_plus_by_yaw = prediction_yaw + by_yaw;
+    float angle_yaw = prediction_yaw_plus_by_yaw;
+    if (pi < prediction_yaw_plus_by_yaw) {
+        angle_yaw = prediction_yaw_plus_by_yaw - two_pi;
     }
-    float yaw = angle;
-    if (angle < -pi) {
-        yaw = angle + two_pi;
+    float yaw = angle_yaw;
+    if (angle_yaw < -pi) {
+        yaw = angle_yaw + two_pi;
     }
     const bool faultless = !integrity_residual_fault;
     const float by_yaw_X_squared = by_yaw_X * by_yaw_X;
@@ -969,29 +895,29 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const bool damped = damped_from < weight;
     const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
     const uint32_t acquired = state->acquired;
-    const float pose_pitch_x = state->pitch_x + ((acquired != 0u) ? turns_x_X_2 : 0.0f);
-    const float pose_pitch_y = state->pitch_y + ((acquired != 0u) ? turns_y_Y_2 : 0.0f);
+    const float pose_pitch_x = state->pitch_x + ((acquired != 0u) ? X_if_acquired : 0.0f);
+    const float pose_pitch_y = state->pitch_y + ((acquired != 0u) ? Y_if_acquired : 0.0f);
     const bool counted = (fabsf(pose_pitch_x) <= most_pitches) && (fabsf(pose_pitch_y) <= most_pitches);
     const float size = fabsf(yaw);
     const bool inside = counted && (size <= yaw_limit);
     const bool resolved = (integrity_good && in_window && tracking && (weight <= resolved_to) && complete && inside) ||
         ((ambiguity_resolved != 0u) && !damped);
     if (restart) {
-        const float start_x = state->start_x + start_step_x;
-        if (start_x < -pi) {
-            state->phase_x = start_x + two_pi;
+        const float start_x_plus_start_step_x = state->start_x + start_step_x;
+        if (start_x_plus_start_step_x < -pi) {
+            state->phase_x = start_x_plus_start_step_x + two_pi;
             state->start_x = state->phase_x;
         } else {
-            state->phase_x = start_x;
-            state->start_x = start_x;
+            state->phase_x = start_x_plus_start_step_x;
+            state->start_x = start_x_plus_start_step_x;
         }
-        const float start_y = state->start_y + start_step_y;
-        if (start_y < -pi) {
-            state->phase_y = start_y + two_pi;
+        const float start_y_plus_start_step_y = state->start_y + start_step_y;
+        if (start_y_plus_start_step_y < -pi) {
+            state->phase_y = start_y_plus_start_step_y + two_pi;
             state->start_y = state->phase_y;
         } else {
-            state->phase_y = start_y;
-            state->start_y = start_y;
+            state->phase_y = start_y_plus_start_step_y;
+            state->start_y = start_y_plus_start_step_y;
         }
         state->yaw = yaw_last_good;
         state->searching = 1u;
@@ -1028,9 +954,9 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
         ((acquired != 0u) && (restart || !counted || (((resolved) ? yaw_limit : ambiguous_yaw_limit) < size))));
     return (hall_position_estimator_t){.X = (length_per_phase * pose_phase_x) + (pitch * pose_pitch_x),
         .Y = (length_per_phase * pose_phase_y) + (pitch * pose_pitch_y), .yaw = yaw,
-        .deviation_X = sigma_per_wave_number * sqrtf(inverse_1 + (by_yaw_X_squared * yaw_variance)), .deviation_Y =
-        sigma_per_wave_number * sqrtf(inverse_2 + (by_yaw_Y_squared * yaw_variance)), .deviation_yaw = channel_sigma *
-        sqrtf(yaw_variance), .residual = sqrtf(root_regularisation + squares_converged_2), .converged = converged,
+        .deviation_X = sigma_per_wave_number * sqrtf(inverse_1 + (by_yaw_X_squared * yaw_variance)),
+        .deviation_Y = sigma_per_wave_number * sqrtf(inverse_2 + (by_yaw_Y_squared * yaw_variance)), .deviation_yaw =
+        channel_sigma * sqrtf(yaw_variance), .residual = sqrtf(root_regularisation + squares_2), .converged = converged,
         .damped = damped, .valid = integrity_good && resolved && (lock_lost == 0u) && inside && complete};
 }
 

@@ -167,7 +167,7 @@ typedef struct {
 } hall_position_three_screen_t;
 
 /* screen: refused and repeated codes
- *     rejected = (1 if flag, else (2 if flags_2, else (3 if flags_3, else 0))) if screened, else 0
+ *     rejected = (1 if flag_1, else (2 if flag_2, else (3 if flag_3, else 0))) if screened, else 0
  *     repeats_1_next = (repeats_1 if most_repeats <= repeats_1, else repeats_1 + 1) if |V_ax_held -
  *         last_V_ax| <= 0 or |V_ay_held - last_V_ay| <= 0, else 0; likewise repeats_2_next, repeats_3_next */
 HALL_POSITION_THREE_INLINE hall_position_three_screen_t
@@ -189,53 +189,53 @@ HALL_POSITION_THREE_INLINE hall_position_three_screen_t
     state->last_V_cx = V_cx_held;
     const float last_V_cy = state->last_V_cy;
     state->last_V_cy = V_cy_held;
-    bool screened_test = false;
+    bool frozen_1 = false;
     if ((fabsf(V_ax_held - last_V_ax) <= 0.0f) || (fabsf(V_ay_held - last_V_ay) <= 0.0f)) {
         const uint32_t repeats_1 = state->repeats_1;
-        uint32_t screened_choice = repeats_1;
+        uint32_t count_1 = repeats_1;
         if (repeats_1 < most_repeats) {
             const uint32_t screened_sum = repeats_1 + 1u;
-            screened_choice = screened_sum;
+            count_1 = screened_sum;
             state->repeats_1 = screened_sum;
         }
-        screened_test = most_repeats <= screened_choice;
+        frozen_1 = most_repeats <= count_1;
     } else {
         state->repeats_1 = 0u;
     }
-    bool screened_test_2 = false;
+    bool frozen_2 = false;
     if ((fabsf(V_bx_held - last_V_bx) <= 0.0f) || (fabsf(V_by_held - last_V_by) <= 0.0f)) {
         const uint32_t repeats_2 = state->repeats_2;
-        uint32_t screened_choice_2 = repeats_2;
+        uint32_t count_2 = repeats_2;
         if (repeats_2 < most_repeats) {
             const uint32_t screened_sum_2 = repeats_2 + 1u;
-            screened_choice_2 = screened_sum_2;
+            count_2 = screened_sum_2;
             state->repeats_2 = screened_sum_2;
         }
-        screened_test_2 = most_repeats <= screened_choice_2;
+        frozen_2 = most_repeats <= count_2;
     } else {
         state->repeats_2 = 0u;
     }
-    bool frozen = false;
+    bool frozen_3 = false;
     if ((fabsf(V_cx_held - last_V_cx) <= 0.0f) || (fabsf(V_cy_held - last_V_cy) <= 0.0f)) {
         const uint32_t repeats_3 = state->repeats_3;
-        uint32_t count = repeats_3;
+        uint32_t count_3 = repeats_3;
         if (repeats_3 < most_repeats) {
             const uint32_t screened_sum_3 = repeats_3 + 1u;
-            count = screened_sum_3;
+            count_3 = screened_sum_3;
             state->repeats_3 = screened_sum_3;
         }
-        frozen = most_repeats <= count;
+        frozen_3 = most_repeats <= count_3;
     } else {
         state->repeats_3 = 0u;
     }
-    const bool flag = fault_V_ax || fault_V_ay || screened_test;
-    const bool flags_2 = fault_V_bx || fault_V_by || screened_test_2;
-    const bool flags_3 = fault_V_cx || fault_V_cy || frozen;
-    const bool screened = (hall_position_three_flag(flag) + hall_position_three_flag(flags_2) +
-        hall_position_three_flag(flags_3)) <= 1u;
+    const bool flag_1 = fault_V_ax || fault_V_ay || frozen_1;
+    const bool flag_2 = fault_V_bx || fault_V_by || frozen_2;
+    const bool flag_3 = fault_V_cx || fault_V_cy || frozen_3;
+    const bool screened = (hall_position_three_flag(flag_1) + hall_position_three_flag(flag_2) +
+        hall_position_three_flag(flag_3)) <= 1u;
     float rejected = 0.0f;
     if (screened) {
-        rejected = (flag) ? 1.0f : ((flags_2) ? 2.0f : ((flags_3) ? 3.0f : 0.0f));
+        rejected = (flag_1) ? 1.0f : ((flag_2) ? 2.0f : ((flag_3) ? 3.0f : 0.0f));
     }
     if (diagnostics != NULL) {
         diagnostics->screened = screened ? 1.0f : 0.0f;
@@ -273,23 +273,21 @@ typedef struct {
  *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
  *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
  *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
- *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_2_ax^2), 1.001); likewise ay_part_full,
- *         bx_part_full, by_part_full
+ *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_ax_part_2^2), 1.001); likewise
+ *         ay_part_full, bx_part_full, by_part_full, cx_part_full, cy_part_full
  *     cx_part_sine = 4 * sin(0.25 * limited_cx); likewise cy_part_sine
  *     cx_part_cosine = cos(0.25 * limited_cx); likewise cy_part_cosine
  *     cx_part_doubled = limit(4 * (sin(0.25 * limited_cx) * cx_part_cosine), 2.002); likewise
  *         cy_part_doubled
- *     cx_part_full = limit(cx_part_doubled * (1 - 0.125 * cx_part_sine^2), 1.001); likewise cy_part_full
- *     weak = not factors_2 or weak_from <= variances_1 or weak_from <= variances_2 or weak_from_yaw <=
- *         variances_3 or weak_from <= variances_4
  *     plausible_1_next = keeps and (plausible_1 and not (refuted and x_excluded == 1) if x_trial, else
  *         passing_1 or plausible_1) if tracking, else 0
  *     plausible_2_next = keeps and (plausible_2 and not (refuted and x_excluded == 2) if x_trial, else
  *         passing_2 or plausible_2) if tracking, else 0
  *     plausible_3_next = keeps and (plausible_3 and not (refuted and x_excluded == 3) if x_trial, else
- *         now) if tracking, else 0
+ *         passing_3 or plausible_3) if tracking, else 0
  *     start_number_next = starts if tracking, else (starts if unique, else (0 if last, else (last_start if
  *         last_start <= start_number, else start_number + ends)))
+ *     candidates_next = 0 if tracking, else (count if not last or unique, else 0)
  *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
  *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
  *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
@@ -386,23 +384,23 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     static const float refuted_cost = 0.0006300146f;
 
     const float motion_yaw = state->motion_yaw;
-    const float starts_3 = hall_position_three_limit(state->yaw + motion_yaw, highest_yaw);
-    const float cos_yaw_argument = starts_3 * starts_3;
+    const float predicted_yaw = hall_position_three_limit(state->yaw + motion_yaw, highest_yaw);
+    const float cos_yaw_argument = predicted_yaw * predicted_yaw;
     const float cos_yaw = cosine_polynomial(cos_yaw_argument);
-    const float sin_yaw = starts_3 * sine_polynomial(cos_yaw_argument);
+    const float sin_yaw = predicted_yaw * sine_polynomial(cos_yaw_argument);
     const float motion_phase_x = state->motion_phase_x;
     const float phase_x_plus_motion_phase_x = state->phase_x + motion_phase_x;
     float ax_part_cosine_choice = phase_x_plus_motion_phase_x;
     if (pi < phase_x_plus_motion_phase_x) {
         ax_part_cosine_choice = phase_x_plus_motion_phase_x - two_pi;
     }
-    float starts_1 = ax_part_cosine_choice;
+    float predicted_phase_x = ax_part_cosine_choice;
     if (ax_part_cosine_choice < -pi) {
-        starts_1 = ax_part_cosine_choice + two_pi;
+        predicted_phase_x = ax_part_cosine_choice + two_pi;
     }
     const float arm_a_x_times_cos_yaw = arm_a_x * cos_yaw;
     const float arm_a_y_times_sin_yaw = arm_a_y * sin_yaw;
-    const float limited_ax = starts_1 + arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw;
+    const float limited_ax = predicted_phase_x + arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw;
     const float ax_part_cosine_argument = limited_ax * limited_ax;
     const float sine_2 = limited_ax * sine_2_polynomial(ax_part_cosine_argument);
     const float ax_part_sine = 8.0f * sine_2;
@@ -411,8 +409,8 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const float ax_part_doubled = 8.0f *
         (sine_2_times_ax_part_cosine * (1.0f - (0.03125f * (ax_part_sine * ax_part_sine))));
     /*@ admit -2.002f <= ax_part_doubled <= 2.002f; */
-    const float sines_2_ax = 8.0f * sine_2_times_ax_part_cosine;
-    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_2_ax * sines_2_ax)));
+    const float sines_ax_part_2 = 8.0f * sine_2_times_ax_part_cosine;
+    const float ax_part_full = ax_part_doubled * (1.0f - (0.125f * (sines_ax_part_2 * sines_ax_part_2)));
     /*@ admit -1.001f <= ax_part_full <= 1.001f; */
     const float motion_phase_y = state->motion_phase_y;
     const float phase_y_plus_motion_phase_y = state->phase_y + motion_phase_y;
@@ -420,13 +418,13 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     if (pi < phase_y_plus_motion_phase_y) {
         ay_part_cosine_choice = phase_y_plus_motion_phase_y - two_pi;
     }
-    float starts_2 = ay_part_cosine_choice;
+    float predicted_phase_y = ay_part_cosine_choice;
     if (ay_part_cosine_choice < -pi) {
-        starts_2 = ay_part_cosine_choice + two_pi;
+        predicted_phase_y = ay_part_cosine_choice + two_pi;
     }
     const float arm_a_y_times_cos_yaw = -arm_a_y * cos_yaw;
     const float arm_a_x_times_sin_yaw = arm_a_x * sin_yaw;
-    const float limited_ay = starts_2 - arm_a_y_times_cos_yaw + arm_a_x_times_sin_yaw;
+    const float limited_ay = predicted_phase_y - arm_a_y_times_cos_yaw + arm_a_x_times_sin_yaw;
     const float ay_part_cosine_argument = limited_ay * limited_ay;
     const float sine_2_2 = limited_ay * sine_2_polynomial(ay_part_cosine_argument);
     const float ay_part_sine = 8.0f * sine_2_2;
@@ -435,11 +433,11 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const float ay_part_doubled = 8.0f *
         (ay_part_doubled_product * (1.0f - (0.03125f * (ay_part_sine * ay_part_sine))));
     /*@ admit -2.002f <= ay_part_doubled <= 2.002f; */
-    const float sines_2_ay = 8.0f * ay_part_doubled_product;
-    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_2_ay * sines_2_ay)));
+    const float sines_ay_part_2 = 8.0f * ay_part_doubled_product;
+    const float ay_part_full = ay_part_doubled * (1.0f - (0.125f * (sines_ay_part_2 * sines_ay_part_2)));
     /*@ admit -1.001f <= ay_part_full <= 1.001f; */
     const float arm_b_y_times_sin_yaw = arm_b_y * sin_yaw;
-    const float limited_bx = starts_1 + (arm_b_x * cos_yaw) - arm_b_y_times_sin_yaw;
+    const float limited_bx = predicted_phase_x + (arm_b_x * cos_yaw) - arm_b_y_times_sin_yaw;
     const float bx_part_cosine_argument = limited_bx * limited_bx;
     const float sine_2_3 = limited_bx * sine_2_polynomial(bx_part_cosine_argument);
     const float bx_part_sine = 8.0f * sine_2_3;
@@ -448,12 +446,12 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const float bx_part_doubled = 8.0f *
         (bx_part_doubled_product * (1.0f - (0.03125f * (bx_part_sine * bx_part_sine))));
     /*@ admit -2.002f <= bx_part_doubled <= 2.002f; */
-    const float sines_2_bx = 8.0f * bx_part_doubled_product;
-    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_2_bx * sines_2_bx)));
+    const float sines_bx_part_2 = 8.0f * bx_part_doubled_product;
+    const float bx_part_full = bx_part_doubled * (1.0f - (0.125f * (sines_bx_part_2 * sines_bx_part_2)));
     /*@ admit -1.001f <= bx_part_full <= 1.001f; */
     const float arm_b_y_times_cos_yaw = arm_b_y * cos_yaw;
     const float arm_b_x_times_sin_yaw = -arm_b_x * sin_yaw;
-    const float limited_by = starts_2 + arm_b_y_times_cos_yaw - arm_b_x_times_sin_yaw;
+    const float limited_by = predicted_phase_y + arm_b_y_times_cos_yaw - arm_b_x_times_sin_yaw;
     const float by_part_cosine_argument = limited_by * limited_by;
     const float sine_2_4 = limited_by * sine_2_polynomial(by_part_cosine_argument);
     const float by_part_sine = 8.0f * sine_2_4;
@@ -462,11 +460,11 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const float by_part_doubled = 8.0f *
         (by_part_doubled_product * (1.0f - (0.03125f * (by_part_sine * by_part_sine))));
     /*@ admit -2.002f <= by_part_doubled <= 2.002f; */
-    const float sines_2_by = 8.0f * by_part_doubled_product;
-    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_2_by * sines_2_by)));
+    const float sines_by_part_2 = 8.0f * by_part_doubled_product;
+    const float by_part_full = by_part_doubled * (1.0f - (0.125f * (sines_by_part_2 * sines_by_part_2)));
     /*@ admit -1.001f <= by_part_full <= 1.001f; */
     const float arm_c_y_times_sin_yaw = arm_c_y * sin_yaw;
-    const float limited_cx = starts_1 + (arm_c_x * cos_yaw) - arm_c_y_times_sin_yaw;
+    const float limited_cx = predicted_phase_x + (arm_c_x * cos_yaw) - arm_c_y_times_sin_yaw;
     const float cx_part_cosine_argument = limited_cx * limited_cx;
     const float sine_3 = limited_cx * sine_3_polynomial(cx_part_cosine_argument);
     const float cx_part_sine = 4.0f * sine_3;
@@ -477,7 +475,7 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     /*@ admit -1.001f <= cx_part_full <= 1.001f; */
     const float arm_c_y_times_cos_yaw = arm_c_y * cos_yaw;
     const float arm_c_x_times_sin_yaw = -arm_c_x * sin_yaw;
-    const float limited_cy = starts_2 + arm_c_y_times_cos_yaw - arm_c_x_times_sin_yaw;
+    const float limited_cy = predicted_phase_y + arm_c_y_times_cos_yaw - arm_c_x_times_sin_yaw;
     const float cy_part_cosine_argument = limited_cy * limited_cy;
     const float sine_3_2 = limited_cy * sine_3_polynomial(cy_part_cosine_argument);
     const float cy_part_sine = 4.0f * sine_3_2;
@@ -488,36 +486,36 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     /*@ admit -1.001f <= cy_part_full <= 1.001f; */
     const uint32_t start_number = state->start_number;
     const bool tracking = starts <= start_number;
-    const float start_cosine_ax = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
+    const float phasor_ax_cosine = 1.0f - (0.5f * (ax_part_doubled * ax_part_doubled));
     const float amplitude_2 = state->amplitude;
     const float amplitude_times_field_1 = amplitude_2 * field_1;
     const float ax_part_full_squared = ax_part_full * ax_part_full;
     const float phase_x_product = 3.0f * (amplitude_2 * field_3);
     const float amplitude_times_field_5 = amplitude_2 * field_5;
-    const float rows_1_1 = start_cosine_ax * (amplitude_times_field_1 +
+    const float rows_1_1 = phasor_ax_cosine * (amplitude_times_field_1 +
         (ax_part_full_squared * (phase_x_product + (5.0f * (ax_part_full_squared * amplitude_times_field_5)))));
-    const float start_cosine_bx = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
+    const float phasor_bx_cosine = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
-    const float rows_3_1 = start_cosine_bx * (amplitude_times_field_1 +
+    const float rows_3_1 = phasor_bx_cosine * (amplitude_times_field_1 +
         (bx_part_full_squared * (phase_x_product + (5.0f * (bx_part_full_squared * amplitude_times_field_5)))));
-    const float start_cosine_cx = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
+    const float phasor_cx_cosine = 1.0f - (0.5f * (cx_part_doubled * cx_part_doubled));
     const float cx_part_full_squared = cx_part_full * cx_part_full;
-    const float rows_5_1 = start_cosine_cx * (amplitude_times_field_1 +
+    const float rows_5_1 = phasor_cx_cosine * (amplitude_times_field_1 +
         (cx_part_full_squared * (phase_x_product + (5.0f * (cx_part_full_squared * amplitude_times_field_5)))));
     const float left_1_1 = (rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + (rows_5_1 * rows_5_1);
-    const float start_cosine_ay = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
+    const float phasor_ay_cosine = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float ay_part_full_squared = ay_part_full * ay_part_full;
-    const float rows_2_2 = start_cosine_ay * (amplitude_times_field_1 +
+    const float rows_2_2 = phasor_ay_cosine * (amplitude_times_field_1 +
         (ay_part_full_squared * (phase_x_product + (5.0f * (ay_part_full_squared * amplitude_times_field_5)))));
-    const float start_cosine_by = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
+    const float phasor_by_cosine = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
     const float by_part_full_squared = by_part_full * by_part_full;
-    const float rows_4_2 = start_cosine_by * (amplitude_times_field_1 +
+    const float rows_4_2 = phasor_by_cosine * (amplitude_times_field_1 +
         (by_part_full_squared * (phase_x_product + (5.0f * (by_part_full_squared * amplitude_times_field_5)))));
-    const float start_cosine_cy = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
+    const float phasor_cy_cosine = 1.0f - (0.5f * (cy_part_doubled * cy_part_doubled));
     const float cy_part_full_squared = cy_part_full * cy_part_full;
-    const float rows_6_2 = start_cosine_cy * (amplitude_times_field_1 +
+    const float rows_6_2 = phasor_cy_cosine * (amplitude_times_field_1 +
         (cy_part_full_squared * (phase_x_product + (5.0f * (cy_part_full_squared * amplitude_times_field_5)))));
-    const float left_2_2_phase_x = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2);
+    const float left_2_2 = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2);
     const float phase_x_sum = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
     const float rows_1_3 = phase_x_sum + (rows_1_1 * (arm_a_y_times_cos_yaw - arm_a_x_times_sin_yaw));
     const float phase_x_sum_2 = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
@@ -530,7 +528,7 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const float rows_5_3 = phase_x_sum_5 + (rows_5_1 * (arm_c_x_times_sin_yaw - arm_c_y_times_cos_yaw));
     const float phase_x_sum_6 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
     const float minus_rows_6_3 = phase_x_sum_6 - (rows_6_2 * ((arm_c_x * cos_yaw) - arm_c_y_times_sin_yaw));
-    const float left_3_3_phase_x = (rows_1_3 * rows_1_3) + (minus_rows_2_3 * minus_rows_2_3) + (rows_3_3 * rows_3_3) +
+    const float left_3_3 = (rows_1_3 * rows_1_3) + (minus_rows_2_3 * minus_rows_2_3) + (rows_3_3 * rows_3_3) +
         (minus_rows_4_3 * minus_rows_4_3) + (rows_5_3 * rows_5_3) + (minus_rows_6_3 * minus_rows_6_3);
     const float rows_1_4 = ax_part_full * (field_1 +
         (ax_part_full_squared * (field_3 + (ax_part_full_squared * field_5))));
@@ -544,30 +542,30 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         (cx_part_full_squared * (field_3 + (cx_part_full_squared * field_5))));
     const float rows_6_4 = cy_part_full * (field_1 +
         (cy_part_full_squared * (field_3 + (cy_part_full_squared * field_5))));
-    const float left_4_4_phase_x = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
+    const float left_4_4 = (rows_1_4 * rows_1_4) + (rows_2_4 * rows_2_4) + (rows_3_4 * rows_3_4) +
         (rows_4_4 * rows_4_4) + (rows_5_4 * rows_5_4) + (rows_6_4 * rows_6_4) + prior_weight_amplitude;
-    const bool factors_2 = (left_1_1 <= largest_information) && (left_2_2_phase_x <= largest_information) &&
-        (left_3_3_phase_x <= largest_information_yaw) && (left_4_4_phase_x <= largest_information);
+    const bool in_range = (left_1_1 <= largest_information) && (left_2_2 <= largest_information) &&
+        (left_3_3 <= largest_information_yaw) && (left_4_4 <= largest_information);
     const float inverse_1 = 1.0f / hall_position_three_max(left_1_1, least_pivot);
     const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1) + (rows_5_3 * rows_5_1);
     const float lower_3_1 = hall_position_three_limit(left_3_1 * inverse_1, largest_L_yaw_phase);
     const float minus_left_3_2 = (minus_rows_2_3 * rows_2_2) + (minus_rows_4_3 * rows_4_2) +
         (minus_rows_6_3 * rows_6_2);
-    const float inverse_2 = 1.0f / hall_position_three_max(left_2_2_phase_x, least_pivot);
+    const float inverse_2 = 1.0f / hall_position_three_max(left_2_2, least_pivot);
     const float lower_3_2 = hall_position_three_limit(-(minus_left_3_2 * inverse_2), largest_L_yaw_phase);
-    const float inverse_3 = 1.0f / hall_position_three_max(left_3_3_phase_x - (lower_3_1 * left_3_1) +
-        (lower_3_2 * minus_left_3_2), least_pivot_yaw);
+    const float inverse_3 = 1.0f /
+        hall_position_three_max(left_3_3 - (lower_3_1 * left_3_1) + (lower_3_2 * minus_left_3_2), least_pivot_yaw);
     const float left_4_1 = (rows_1_4 * rows_1_1) + (rows_3_4 * rows_3_1) + (rows_5_4 * rows_5_1);
     const float lower_4_1 = hall_position_three_limit(left_4_1 * inverse_1, largest_L);
     const float left_4_2 = (rows_2_4 * rows_2_2) + (rows_4_4 * rows_4_2) + (rows_6_4 * rows_6_2);
     const float lower_4_2 = hall_position_three_limit(left_4_2 * inverse_2, largest_L);
-    const float left_4_3_phase_x = (rows_1_4 * rows_1_3) - (rows_2_4 * minus_rows_2_3) + (rows_3_4 * rows_3_3) -
+    const float left_4_3 = (rows_1_4 * rows_1_3) - (rows_2_4 * minus_rows_2_3) + (rows_3_4 * rows_3_3) -
         (rows_4_4 * minus_rows_4_3) + (rows_5_4 * rows_5_3) - (rows_6_4 * minus_rows_6_3) - (lower_4_1 * left_3_1) +
         (lower_4_2 * minus_left_3_2);
-    const float lower_4_3 = hall_position_three_limit(left_4_3_phase_x * inverse_3, largest_L_amplitude_yaw);
+    const float lower_4_3 = hall_position_three_limit(left_4_3 * inverse_3, largest_L_amplitude_yaw);
     const float deviation_phase_x_sum = lower_4_1 - (lower_4_3 * lower_3_1);
-    const float diagonal_4 = 1.0f / hall_position_three_max(left_4_4_phase_x - (lower_4_1 * left_4_1) -
-        (lower_4_2 * left_4_2) - (lower_4_3 * left_4_3_phase_x), least_pivot);
+    const float diagonal_4 = 1.0f / hall_position_three_max(left_4_4 - (lower_4_1 * left_4_1) - (lower_4_2 * left_4_2) -
+        (lower_4_3 * left_4_3), least_pivot);
     const float diagonal_1 = inverse_1 + (lower_3_1 * lower_3_1 * inverse_3) +
         (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
     const uint32_t competing = state->competing;
@@ -575,116 +573,99 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const bool x_trial = (competing != 0u) && !x_certain;
     const uint32_t excluded_2 = state->excluded;
     const float excluded = hall_position_three_max((x_certain) ? rejected : (float)excluded_2, 0.0f);
-    const float residuals_1_phase_x = phase_x_sum_2 - (amplitude_2 * rows_1_4);
-    const float residuals_2_phase_x = phase_x_sum - (amplitude_2 * rows_2_4);
-    const float residuals_3_phase_x = phase_x_sum_4 - (amplitude_2 * rows_3_4);
-    const float residuals_4_phase_x = phase_x_sum_3 - (amplitude_2 * rows_4_4);
-    const float residuals_5_phase_x = phase_x_sum_6 - (amplitude_2 * rows_5_4);
-    const float residuals_6_phase_x = phase_x_sum_5 - (amplitude_2 * rows_6_4);
-    const float offsets_4_phase_x = amplitude_2 - 1.0f;
-    const float gradient_1_phase_x = (rows_1_1 * residuals_1_phase_x) + (rows_3_1 * residuals_3_phase_x) +
-        (rows_5_1 * residuals_5_phase_x);
-    const float phase_x_product_2 = gradient_1_phase_x * inverse_1;
-    const float gradient_2_phase_x = (rows_2_2 * residuals_2_phase_x) + (rows_4_2 * residuals_4_phase_x) +
-        (rows_6_2 * residuals_6_phase_x);
-    const float phase_x_product_3 = gradient_2_phase_x * inverse_2;
-    const float forward_3_phase_x = (rows_1_3 * residuals_1_phase_x) - (minus_rows_2_3 * residuals_2_phase_x) +
-        (rows_3_3 * residuals_3_phase_x) - (minus_rows_4_3 * residuals_4_phase_x) + (rows_5_3 * residuals_5_phase_x) -
-        (minus_rows_6_3 * residuals_6_phase_x) - (lower_3_1 * gradient_1_phase_x) - (lower_3_2 * gradient_2_phase_x);
-    const float phase_x_product_4 = forward_3_phase_x * inverse_3;
-    const float forward_4_phase_x = (rows_1_4 * residuals_1_phase_x) + (rows_2_4 * residuals_2_phase_x) +
-        (rows_3_4 * residuals_3_phase_x) + (rows_4_4 * residuals_4_phase_x) + (rows_5_4 * residuals_5_phase_x) +
-        (rows_6_4 * residuals_6_phase_x) - (prior_weight_amplitude * offsets_4_phase_x) -
-        (lower_4_1 * gradient_1_phase_x) - (lower_4_2 * gradient_2_phase_x) - (lower_4_3 * forward_3_phase_x);
-    const float steps_4_phase_x = forward_4_phase_x * diagonal_4;
-    const float protection_phase_x_sum = (residuals_1_phase_x * residuals_1_phase_x) +
-        (residuals_2_phase_x * residuals_2_phase_x) + (residuals_3_phase_x * residuals_3_phase_x) +
-        (residuals_4_phase_x * residuals_4_phase_x) + (residuals_5_phase_x * residuals_5_phase_x) +
-        (residuals_6_phase_x * residuals_6_phase_x) + (prior_weight_amplitude * (offsets_4_phase_x *
-        offsets_4_phase_x)) - ((gradient_1_phase_x * phase_x_product_2) + (gradient_2_phase_x * phase_x_product_3) +
-        (forward_3_phase_x * phase_x_product_4) + (forward_4_phase_x * steps_4_phase_x));
+    const float residuals_1 = phase_x_sum_2 - (amplitude_2 * rows_1_4);
+    const float residuals_2 = phase_x_sum - (amplitude_2 * rows_2_4);
+    const float residuals_3 = phase_x_sum_4 - (amplitude_2 * rows_3_4);
+    const float residuals_4 = phase_x_sum_3 - (amplitude_2 * rows_4_4);
+    const float residuals_5 = phase_x_sum_6 - (amplitude_2 * rows_5_4);
+    const float residuals_6 = phase_x_sum_5 - (amplitude_2 * rows_6_4);
+    const float offsets_4 = amplitude_2 - 1.0f;
+    const float forward_1 = (rows_1_1 * residuals_1) + (rows_3_1 * residuals_3) + (rows_5_1 * residuals_5);
+    const float forward_1_times_inverse_1 = forward_1 * inverse_1;
+    const float forward_2 = (rows_2_2 * residuals_2) + (rows_4_2 * residuals_4) + (rows_6_2 * residuals_6);
+    const float forward_2_times_inverse_2 = forward_2 * inverse_2;
+    const float forward_3 = (rows_1_3 * residuals_1) - (minus_rows_2_3 * residuals_2) + (rows_3_3 * residuals_3) -
+        (minus_rows_4_3 * residuals_4) + (rows_5_3 * residuals_5) - (minus_rows_6_3 * residuals_6) -
+        (lower_3_1 * forward_1) - (lower_3_2 * forward_2);
+    const float forward_3_times_inverse_3 = forward_3 * inverse_3;
+    const float forward_4 = (rows_1_4 * residuals_1) + (rows_2_4 * residuals_2) + (rows_3_4 * residuals_3) + (rows_4_4 *
+        residuals_4) + (rows_5_4 * residuals_5) + (rows_6_4 * residuals_6) - (prior_weight_amplitude * offsets_4) -
+        (lower_4_1 * forward_1) - (lower_4_2 * forward_2) - (lower_4_3 * forward_3);
+    const float steps_4 = forward_4 * diagonal_4;
+    const float protection_phase_x_sum = (residuals_1 * residuals_1) + (residuals_2 * residuals_2) + (residuals_3 *
+        residuals_3) + (residuals_4 * residuals_4) + (residuals_5 * residuals_5) + (residuals_6 * residuals_6) +
+        (prior_weight_amplitude * (offsets_4 * offsets_4)) - ((forward_1 * forward_1_times_inverse_1) +
+        (forward_2 * forward_2_times_inverse_2) + (forward_3 * forward_3_times_inverse_3) + (forward_4 * steps_4));
     const float full_cost = hall_position_three_max(protection_phase_x_sum, 0.0f);
-    const float steps_3_phase_x = phase_x_product_4 - (lower_4_3 * steps_4_phase_x);
-    const float steps_1_phase_x = phase_x_product_2 - (lower_3_1 * steps_3_phase_x) - (lower_4_1 * steps_4_phase_x);
-    const float scores_3 = residuals_3_phase_x -
-        ((rows_3_1 * steps_1_phase_x) + (rows_3_3 * steps_3_phase_x) + (rows_3_4 * steps_4_phase_x));
-    const float rows_3_1_times_inverse_1 = rows_3_1 * inverse_1;
-    const float b_3_phase_x = rows_3_3 - (lower_3_1 * rows_3_1);
-    const float b_3_phase_x_times_inverse_3 = b_3_phase_x * inverse_3;
-    const float b_4_phase_x = rows_3_4 - (lower_4_1 * rows_3_1) - (lower_4_3 * b_3_phase_x);
-    const float moves_3_4 = b_4_phase_x * diagonal_4;
-    const float gains_3 = 1.0f / hall_position_three_max(1.0f - ((rows_3_1 * rows_3_1_times_inverse_1) +
-        (b_3_phase_x * b_3_phase_x_times_inverse_3) + (b_4_phase_x * moves_3_4)), least_separability);
-    const float scores_3_times_gains_3 = scores_3 * gains_3;
-    const float steps_2_phase_x = phase_x_product_3 - (lower_3_2 * steps_3_phase_x) - (lower_4_2 * steps_4_phase_x);
-    const float minus_forward_3_phase_x = minus_rows_4_3 + (lower_3_2 * rows_4_2);
-    const float forward_4_phase_x_2 = rows_4_4 - (lower_4_2 * rows_4_2) + (lower_4_3 * minus_forward_3_phase_x);
-    const float weighted_4_phase_x = forward_4_phase_x_2 * diagonal_4;
-    const float minus_weighted_3_phase_x = minus_forward_3_phase_x * inverse_3;
-    const float minus_S_2_1_phase_x = (weighted_4_phase_x * b_4_phase_x) - (minus_weighted_3_phase_x * b_3_phase_x);
-    const float lower_2_1_phase_x = hall_position_three_limit(-(minus_S_2_1_phase_x * gains_3), largest_mixing);
-    const float scores_4_phase_x = residuals_4_phase_x - ((rows_4_2 * steps_2_phase_x) -
-        (minus_rows_4_3 * steps_3_phase_x) + (rows_4_4 * steps_4_phase_x)) - (lower_2_1_phase_x * scores_3);
-    const float weighted_2_phase_x = rows_4_2 * inverse_2;
-    const float gains_4 = 1.0f / hall_position_three_max(1.0f - ((rows_4_2 * weighted_2_phase_x) +
-        (minus_forward_3_phase_x * minus_weighted_3_phase_x) + (forward_4_phase_x_2 * weighted_4_phase_x)) +
-        (lower_2_1_phase_x * minus_S_2_1_phase_x), least_separability);
-    const float protection_phase_x_product = scores_4_phase_x * gains_4;
-    const float costs_2 = full_cost -
-        ((scores_3 * scores_3_times_gains_3) + (scores_4_phase_x * protection_phase_x_product));
-    const float scores_1_phase_x = residuals_1_phase_x -
-        ((rows_1_1 * steps_1_phase_x) + (rows_1_3 * steps_3_phase_x) + (rows_1_4 * steps_4_phase_x));
-    const float rows_1_1_times_inverse_1 = rows_1_1 * inverse_1;
-    const float b_3_phase_x_2 = rows_1_3 - (lower_3_1 * rows_1_1);
-    const float phase_x_product_5 = b_3_phase_x_2 * inverse_3;
-    const float b_4_phase_x_2 = rows_1_4 - (lower_4_1 * rows_1_1) - (lower_4_3 * b_3_phase_x_2);
-    const float moves_1_4_phase_x = b_4_phase_x_2 * diagonal_4;
-    const float gains_1_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_1_1 * rows_1_1_times_inverse_1) +
-        (b_3_phase_x_2 * phase_x_product_5) + (b_4_phase_x_2 * moves_1_4_phase_x)), least_separability);
-    const float protection_phase_x_product_2 = scores_1_phase_x * gains_1_phase_x;
-    const float minus_forward_3_phase_x_2 = minus_rows_2_3 + (lower_3_2 * rows_2_2);
-    const float forward_4_phase_x_3 = rows_2_4 - (lower_4_2 * rows_2_2) + (lower_4_3 * minus_forward_3_phase_x_2);
-    const float weighted_4_phase_x_2 = forward_4_phase_x_3 * diagonal_4;
-    const float minus_weighted_3_phase_x_2 = minus_forward_3_phase_x_2 * inverse_3;
-    const float minus_S_2_1_phase_x_2 = (weighted_4_phase_x_2 * b_4_phase_x_2) -
-        (minus_weighted_3_phase_x_2 * b_3_phase_x_2);
-    const float lower_2_1_phase_x_2 = hall_position_three_limit(-(minus_S_2_1_phase_x_2 * gains_1_phase_x),
-        largest_mixing);
-    const float scores_2_phase_x = residuals_2_phase_x - ((rows_2_2 * steps_2_phase_x) -
-        (minus_rows_2_3 * steps_3_phase_x) + (rows_2_4 * steps_4_phase_x)) - (lower_2_1_phase_x_2 * scores_1_phase_x);
-    const float weighted_2_phase_x_2 = rows_2_2 * inverse_2;
-    const float gains_2_phase_x = 1.0f / hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_phase_x_2) +
-        (minus_forward_3_phase_x_2 * minus_weighted_3_phase_x_2) + (forward_4_phase_x_3 * weighted_4_phase_x_2)) +
-        (lower_2_1_phase_x_2 * minus_S_2_1_phase_x_2), least_separability);
-    const float protection_phase_x_product_3 = scores_2_phase_x * gains_2_phase_x;
-    const float costs_1 = full_cost -
-        ((scores_1_phase_x * protection_phase_x_product_2) + (scores_2_phase_x * protection_phase_x_product_3));
-    const float scores_5 = residuals_5_phase_x -
-        ((rows_5_1 * steps_1_phase_x) + (rows_5_3 * steps_3_phase_x) + (rows_5_4 * steps_4_phase_x));
-    const float rows_5_1_times_inverse_1 = rows_5_1 * inverse_1;
-    const float b_3_phase_x_3 = rows_5_3 - (lower_3_1 * rows_5_1);
-    const float phase_x_product_6 = b_3_phase_x_3 * inverse_3;
-    const float b_4_phase_x_3 = rows_5_4 - (lower_4_1 * rows_5_1) - (lower_4_3 * b_3_phase_x_3);
-    const float moves_5_4 = b_4_phase_x_3 * diagonal_4;
-    const float gains_5 = 1.0f / hall_position_three_max(1.0f - ((rows_5_1 * rows_5_1_times_inverse_1) +
-        (b_3_phase_x_3 * phase_x_product_6) + (b_4_phase_x_3 * moves_5_4)), least_separability);
-    const float scores_5_times_gains_5 = scores_5 * gains_5;
-    const float minus_forward_3_phase_x_3 = minus_rows_6_3 + (lower_3_2 * rows_6_2);
-    const float forward_4_phase_x_4 = rows_6_4 - (lower_4_2 * rows_6_2) + (lower_4_3 * minus_forward_3_phase_x_3);
-    const float weighted_4_phase_x_3 = forward_4_phase_x_4 * diagonal_4;
-    const float minus_weighted_3_phase_x_3 = minus_forward_3_phase_x_3 * inverse_3;
-    const float minus_S_2_1_phase_x_3 = (weighted_4_phase_x_3 * b_4_phase_x_3) -
-        (minus_weighted_3_phase_x_3 * b_3_phase_x_3);
-    const float lower_2_1_phase_x_3 = hall_position_three_limit(-(minus_S_2_1_phase_x_3 * gains_5), largest_mixing);
-    const float scores_6_phase_x = residuals_6_phase_x - ((rows_6_2 * steps_2_phase_x) -
-        (minus_rows_6_3 * steps_3_phase_x) + (rows_6_4 * steps_4_phase_x)) - (lower_2_1_phase_x_3 * scores_5);
-    const float weighted_2_phase_x_3 = rows_6_2 * inverse_2;
-    const float gain = 1.0f / hall_position_three_max(1.0f - ((rows_6_2 * weighted_2_phase_x_3) +
-        (minus_forward_3_phase_x_3 * minus_weighted_3_phase_x_3) + (forward_4_phase_x_4 * weighted_4_phase_x_3)) +
-        (lower_2_1_phase_x_3 * minus_S_2_1_phase_x_3), least_separability);
-    const float scores_6_phase_x_times_gain = scores_6_phase_x * gain;
-    const float costs_3 = full_cost -
-        ((scores_5 * scores_5_times_gains_5) + (scores_6_phase_x * scores_6_phase_x_times_gain));
+    const float steps_3 = forward_3_times_inverse_3 - (lower_4_3 * steps_4);
+    const float steps_1 = forward_1_times_inverse_1 - (lower_3_1 * steps_3) - (lower_4_1 * steps_4);
+    const float scores_3 = residuals_3 - ((rows_3_1 * steps_1) + (rows_3_3 * steps_3) + (rows_3_4 * steps_4));
+    const float weighted_3_1 = rows_3_1 * inverse_1;
+    const float forward_3_3 = rows_3_3 - (lower_3_1 * rows_3_1);
+    const float weighted_3_3 = forward_3_3 * inverse_3;
+    const float forward_3_4 = rows_3_4 - (lower_4_1 * rows_3_1) - (lower_4_3 * forward_3_3);
+    const float weighted_3_4 = forward_3_4 * diagonal_4;
+    const float gain_3 = 1.0f / hall_position_three_max(1.0f -
+        ((rows_3_1 * weighted_3_1) + (forward_3_3 * weighted_3_3) + (forward_3_4 * weighted_3_4)), least_separability);
+    const float scores_3_times_gain_3 = scores_3 * gain_3;
+    const float steps_2 = forward_2_times_inverse_2 - (lower_3_2 * steps_3) - (lower_4_2 * steps_4);
+    const float minus_forward_4_3 = minus_rows_4_3 + (lower_3_2 * rows_4_2);
+    const float forward_4_4 = rows_4_4 - (lower_4_2 * rows_4_2) + (lower_4_3 * minus_forward_4_3);
+    const float weighted_4_4 = forward_4_4 * diagonal_4;
+    const float minus_weighted_4_3 = minus_forward_4_3 * inverse_3;
+    const float minus_left_2_1 = (weighted_4_4 * forward_3_4) - (minus_weighted_4_3 * forward_3_3);
+    const float lower_2_1 = hall_position_three_limit(-(minus_left_2_1 * gain_3), largest_mixing);
+    const float scores_4 = residuals_4 - ((rows_4_2 * steps_2) - (minus_rows_4_3 * steps_3) + (rows_4_4 * steps_4)) -
+        (lower_2_1 * scores_3);
+    const float weighted_4_2 = rows_4_2 * inverse_2;
+    const float gain_4 = 1.0f / hall_position_three_max(1.0f - ((rows_4_2 * weighted_4_2) + (minus_forward_4_3 *
+        minus_weighted_4_3) + (forward_4_4 * weighted_4_4)) + (lower_2_1 * minus_left_2_1), least_separability);
+    const float scores_4_times_gain_4 = scores_4 * gain_4;
+    const float costs_2 = full_cost - ((scores_3 * scores_3_times_gain_3) + (scores_4 * scores_4_times_gain_4));
+    const float scores_1 = residuals_1 - ((rows_1_1 * steps_1) + (rows_1_3 * steps_3) + (rows_1_4 * steps_4));
+    const float weighted_1_1 = rows_1_1 * inverse_1;
+    const float forward_1_3 = rows_1_3 - (lower_3_1 * rows_1_1);
+    const float weighted_1_3 = forward_1_3 * inverse_3;
+    const float forward_1_4 = rows_1_4 - (lower_4_1 * rows_1_1) - (lower_4_3 * forward_1_3);
+    const float weighted_1_4 = forward_1_4 * diagonal_4;
+    const float gain_1 = 1.0f / hall_position_three_max(1.0f -
+        ((rows_1_1 * weighted_1_1) + (forward_1_3 * weighted_1_3) + (forward_1_4 * weighted_1_4)), least_separability);
+    const float scores_1_times_gain_1 = scores_1 * gain_1;
+    const float minus_forward_2_3 = minus_rows_2_3 + (lower_3_2 * rows_2_2);
+    const float forward_2_4 = rows_2_4 - (lower_4_2 * rows_2_2) + (lower_4_3 * minus_forward_2_3);
+    const float weighted_2_4 = forward_2_4 * diagonal_4;
+    const float minus_weighted_2_3 = minus_forward_2_3 * inverse_3;
+    const float minus_left_2_1_2 = (weighted_2_4 * forward_1_4) - (minus_weighted_2_3 * forward_1_3);
+    const float lower_2_1_2 = hall_position_three_limit(-(minus_left_2_1_2 * gain_1), largest_mixing);
+    const float scores_2 = residuals_2 - ((rows_2_2 * steps_2) - (minus_rows_2_3 * steps_3) + (rows_2_4 * steps_4)) -
+        (lower_2_1_2 * scores_1);
+    const float weighted_2_2 = rows_2_2 * inverse_2;
+    const float gain_2 = 1.0f / hall_position_three_max(1.0f - ((rows_2_2 * weighted_2_2) + (minus_forward_2_3 *
+        minus_weighted_2_3) + (forward_2_4 * weighted_2_4)) + (lower_2_1_2 * minus_left_2_1_2), least_separability);
+    const float scores_2_times_gain_2 = scores_2 * gain_2;
+    const float costs_1 = full_cost - ((scores_1 * scores_1_times_gain_1) + (scores_2 * scores_2_times_gain_2));
+    const float scores_5 = residuals_5 - ((rows_5_1 * steps_1) + (rows_5_3 * steps_3) + (rows_5_4 * steps_4));
+    const float weighted_5_1 = rows_5_1 * inverse_1;
+    const float forward_5_3 = rows_5_3 - (lower_3_1 * rows_5_1);
+    const float weighted_5_3 = forward_5_3 * inverse_3;
+    const float forward_5_4 = rows_5_4 - (lower_4_1 * rows_5_1) - (lower_4_3 * forward_5_3);
+    const float weighted_5_4 = forward_5_4 * diagonal_4;
+    const float gain_5 = 1.0f / hall_position_three_max(1.0f -
+        ((rows_5_1 * weighted_5_1) + (forward_5_3 * weighted_5_3) + (forward_5_4 * weighted_5_4)), least_separability);
+    const float scores_5_times_gain_5 = scores_5 * gain_5;
+    const float minus_forward_6_3 = minus_rows_6_3 + (lower_3_2 * rows_6_2);
+    const float forward_6_4 = rows_6_4 - (lower_4_2 * rows_6_2) + (lower_4_3 * minus_forward_6_3);
+    const float weighted_6_4 = forward_6_4 * diagonal_4;
+    const float minus_weighted_6_3 = minus_forward_6_3 * inverse_3;
+    const float minus_left_2_1_3 = (weighted_6_4 * forward_5_4) - (minus_weighted_6_3 * forward_5_3);
+    const float lower_2_1_3 = hall_position_three_limit(-(minus_left_2_1_3 * gain_5), largest_mixing);
+    const float scores_6 = residuals_6 - ((rows_6_2 * steps_2) - (minus_rows_6_3 * steps_3) + (rows_6_4 * steps_4)) -
+        (lower_2_1_3 * scores_5);
+    const float weighted_6_2 = rows_6_2 * inverse_2;
+    const float gain_6 = 1.0f / hall_position_three_max(1.0f - ((rows_6_2 * weighted_6_2) + (minus_forward_6_3 *
+        minus_weighted_6_3) + (forward_6_4 * weighted_6_4)) + (lower_2_1_3 * minus_left_2_1_3), least_separability);
+    const float scores_6_times_gain_6 = scores_6 * gain_6;
+    const float costs_3 = full_cost - ((scores_5 * scores_5_times_gain_5) + (scores_6 * scores_6_times_gain_6));
     float x_excluded = (float)competing;
     float excluded_choice = excluded;
     if (!x_trial) {
@@ -696,166 +677,161 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
                 ((costs_2 < costs_1) ? 2.0f : 1.0f);
         }
     }
-    const bool none_phase_x = x_excluded < 1.0f;
-    const float moves_1_3_phase_x = phase_x_product_5 - (lower_4_3 * moves_1_4_phase_x);
-    const float moves_1_1_phase_x = rows_1_1_times_inverse_1 - (lower_3_1 * moves_1_3_phase_x) -
-        (lower_4_1 * moves_1_4_phase_x);
-    const float minus_move_3_phase_x = minus_weighted_3_phase_x_2 + (lower_4_3 * weighted_4_phase_x_2);
-    const float moves_2_1_phase_x = (lower_3_1 * minus_move_3_phase_x) - (lower_4_1 * weighted_4_phase_x_2) -
-        (lower_2_1_phase_x_2 * moves_1_1_phase_x);
-    const float minus_moves_1_2 = (lower_3_2 * moves_1_3_phase_x) + (lower_4_2 * moves_1_4_phase_x);
-    const float moves_2_2_phase_x = weighted_2_phase_x_2 + (lower_3_2 * minus_move_3_phase_x) -
-        (lower_4_2 * weighted_4_phase_x_2) + (lower_2_1_phase_x_2 * minus_moves_1_2);
-    const float minus_moves_2_3 = minus_move_3_phase_x + (lower_2_1_phase_x_2 * moves_1_3_phase_x);
-    const float moves_3_3 = b_3_phase_x_times_inverse_3 - (lower_4_3 * moves_3_4);
-    const float moves_3_1 = rows_3_1_times_inverse_1 - (lower_3_1 * moves_3_3) - (lower_4_1 * moves_3_4);
-    const float minus_move_3_phase_x_2 = minus_weighted_3_phase_x + (lower_4_3 * weighted_4_phase_x);
-    const float moves_4_1 = (lower_3_1 * minus_move_3_phase_x_2) - (lower_4_1 * weighted_4_phase_x) -
-        (lower_2_1_phase_x * moves_3_1);
-    const float minus_moves_4_3 = minus_move_3_phase_x_2 + (lower_2_1_phase_x * moves_3_3);
-    const float minus_moves_3_2 = (lower_3_2 * moves_3_3) + (lower_4_2 * moves_3_4);
-    const float moves_4_2 = weighted_2_phase_x + (lower_3_2 * minus_move_3_phase_x_2) -
-        (lower_4_2 * weighted_4_phase_x) + (lower_2_1_phase_x * minus_moves_3_2);
-    const float moves_5_3 = phase_x_product_6 - (lower_4_3 * moves_5_4);
-    const float moves_5_1 = rows_5_1_times_inverse_1 - (lower_3_1 * moves_5_3) - (lower_4_1 * moves_5_4);
-    const float minus_move_3_phase_x_3 = minus_weighted_3_phase_x_3 + (lower_4_3 * weighted_4_phase_x_3);
-    const float moves_6_1 = (lower_3_1 * minus_move_3_phase_x_3) - (lower_4_1 * weighted_4_phase_x_3) -
-        (lower_2_1_phase_x_3 * moves_5_1);
-    const float minus_moves_6_3 = minus_move_3_phase_x_3 + (lower_2_1_phase_x_3 * moves_5_3);
-    const float minus_moves_5_2 = (lower_3_2 * moves_5_3) + (lower_4_2 * moves_5_4);
-    const float moves_6_2 = weighted_2_phase_x_3 + (lower_3_2 * minus_move_3_phase_x_3) -
-        (lower_4_2 * weighted_4_phase_x_3) + (lower_2_1_phase_x_3 * minus_moves_5_2);
-    float moves_1_1_phase_x_2 = moves_1_1_phase_x;
-    float gains_1_phase_x_2 = gains_1_phase_x;
-    float scores_1_phase_x_2 = scores_1_phase_x;
-    float moves_2_1_phase_x_2 = moves_2_1_phase_x;
-    float gains_2_phase_x_2 = gains_2_phase_x;
-    float scores_2_phase_x_2 = scores_2_phase_x;
-    bool phase_x_if_not_none_phase_x = false;
-    float moves_1_3_phase_x_2 = moves_1_3_phase_x;
-    float moves_2_3_phase_x;
-    float moves_1_4_phase_x_2 = moves_1_4_phase_x;
-    float moves_2_4_phase_x;
-    bool phase_x_if_not_none_phase_x_2 = true;
-    bool phase_x_if_not_none_phase_x_3 = true;
-    float moves_1_2_phase_x;
-    float moves_2_2_phase_x_2 = moves_2_2_phase_x;
+    const bool none = x_excluded < 1.0f;
+    const float moves_1_3 = weighted_1_3 - (lower_4_3 * weighted_1_4);
+    const float moves_1_1 = weighted_1_1 - (lower_3_1 * moves_1_3) - (lower_4_1 * weighted_1_4);
+    const float minus_step = minus_weighted_2_3 + (lower_4_3 * weighted_2_4);
+    const float moves_2_1 = (lower_3_1 * minus_step) - (lower_4_1 * weighted_2_4) - (lower_2_1_2 * moves_1_1);
+    const float minus_moves_1_2 = (lower_3_2 * moves_1_3) + (lower_4_2 * weighted_1_4);
+    const float moves_2_2 = weighted_2_2 + (lower_3_2 * minus_step) - (lower_4_2 * weighted_2_4) +
+        (lower_2_1_2 * minus_moves_1_2);
+    const float minus_moves_2_3 = minus_step + (lower_2_1_2 * moves_1_3);
+    const float moves_3_3 = weighted_3_3 - (lower_4_3 * weighted_3_4);
+    const float moves_3_1 = weighted_3_1 - (lower_3_1 * moves_3_3) - (lower_4_1 * weighted_3_4);
+    const float minus_step_2 = minus_weighted_4_3 + (lower_4_3 * weighted_4_4);
+    const float moves_4_1 = (lower_3_1 * minus_step_2) - (lower_4_1 * weighted_4_4) - (lower_2_1 * moves_3_1);
+    const float minus_moves_4_3 = minus_step_2 + (lower_2_1 * moves_3_3);
+    const float minus_moves_3_2 = (lower_3_2 * moves_3_3) + (lower_4_2 * weighted_3_4);
+    const float moves_4_2 = weighted_4_2 + (lower_3_2 * minus_step_2) - (lower_4_2 * weighted_4_4) +
+        (lower_2_1 * minus_moves_3_2);
+    const float moves_5_3 = weighted_5_3 - (lower_4_3 * weighted_5_4);
+    const float moves_5_1 = weighted_5_1 - (lower_3_1 * moves_5_3) - (lower_4_1 * weighted_5_4);
+    const float minus_step_3 = minus_weighted_6_3 + (lower_4_3 * weighted_6_4);
+    const float moves_6_1 = (lower_3_1 * minus_step_3) - (lower_4_1 * weighted_6_4) - (lower_2_1_3 * moves_5_1);
+    const float minus_moves_6_3 = minus_step_3 + (lower_2_1_3 * moves_5_3);
+    const float minus_moves_5_2 = (lower_3_2 * moves_5_3) + (lower_4_2 * weighted_5_4);
+    const float moves_6_2 = weighted_6_2 + (lower_3_2 * minus_step_3) - (lower_4_2 * weighted_6_4) +
+        (lower_2_1_3 * minus_moves_5_2);
+    float move_excluded_1_1 = moves_1_1;
+    float gain_excluded_1 = gain_1;
+    float scores_1_2 = scores_1;
+    float move_excluded_2_1 = moves_2_1;
+    float gain_excluded_2 = gain_2;
+    float scores_2_2 = scores_2;
+    bool phase_x_if_not_none = false;
+    float move_excluded_1_3 = moves_1_3;
+    float move_excluded_2_3;
+    float move_excluded_1_4 = weighted_1_4;
+    float move_excluded_2_4;
+    bool phase_x_if_not_none_2 = true;
+    bool phase_x_if_not_none_3 = true;
+    float move_excluded_1_2;
+    float move_excluded_2_2 = moves_2_2;
     if (x_excluded < 2.0f) {
-        moves_2_3_phase_x = -minus_moves_2_3;
-        moves_2_4_phase_x = weighted_4_phase_x_2 - (lower_2_1_phase_x_2 * moves_1_4_phase_x);
-        moves_1_2_phase_x = -minus_moves_1_2;
+        move_excluded_2_3 = -minus_moves_2_3;
+        move_excluded_2_4 = weighted_2_4 - (lower_2_1_2 * weighted_1_4);
+        move_excluded_1_2 = -minus_moves_1_2;
     } else {
         const bool x_excluded_below_3 = x_excluded < 3.0f;
         if (x_excluded_below_3) {
-            moves_1_1_phase_x_2 = moves_3_1;
-            gains_1_phase_x_2 = gains_3;
-            scores_1_phase_x_2 = scores_3;
-            moves_2_1_phase_x_2 = moves_4_1;
-            gains_2_phase_x_2 = gains_4;
-            scores_2_phase_x_2 = scores_4_phase_x;
-            moves_1_3_phase_x_2 = moves_3_3;
-            moves_2_3_phase_x = -minus_moves_4_3;
-            moves_1_4_phase_x_2 = moves_3_4;
-            moves_2_4_phase_x = weighted_4_phase_x - (lower_2_1_phase_x * moves_3_4);
-            phase_x_if_not_none_phase_x_2 = false;
-            moves_1_2_phase_x = -minus_moves_3_2;
-            moves_2_2_phase_x_2 = moves_4_2;
+            move_excluded_1_1 = moves_3_1;
+            gain_excluded_1 = gain_3;
+            scores_1_2 = scores_3;
+            move_excluded_2_1 = moves_4_1;
+            gain_excluded_2 = gain_4;
+            scores_2_2 = scores_4;
+            move_excluded_1_3 = moves_3_3;
+            move_excluded_2_3 = -minus_moves_4_3;
+            move_excluded_1_4 = weighted_3_4;
+            move_excluded_2_4 = weighted_4_4 - (lower_2_1 * weighted_3_4);
+            phase_x_if_not_none_2 = false;
+            move_excluded_1_2 = -minus_moves_3_2;
+            move_excluded_2_2 = moves_4_2;
         } else {
-            moves_1_1_phase_x_2 = moves_5_1;
-            gains_1_phase_x_2 = gains_5;
-            scores_1_phase_x_2 = scores_5;
-            moves_2_1_phase_x_2 = moves_6_1;
-            gains_2_phase_x_2 = gain;
-            scores_2_phase_x_2 = scores_6_phase_x;
-            moves_1_3_phase_x_2 = moves_5_3;
-            moves_2_3_phase_x = -minus_moves_6_3;
-            moves_1_4_phase_x_2 = moves_5_4;
-            moves_2_4_phase_x = weighted_4_phase_x_3 - (lower_2_1_phase_x_3 * moves_5_4);
-            moves_1_2_phase_x = -minus_moves_5_2;
-            moves_2_2_phase_x_2 = moves_6_2;
+            move_excluded_1_1 = moves_5_1;
+            gain_excluded_1 = gain_5;
+            scores_1_2 = scores_5;
+            move_excluded_2_1 = moves_6_1;
+            gain_excluded_2 = gain_6;
+            scores_2_2 = scores_6;
+            move_excluded_1_3 = moves_5_3;
+            move_excluded_2_3 = -minus_moves_6_3;
+            move_excluded_1_4 = weighted_5_4;
+            move_excluded_2_4 = weighted_6_4 - (lower_2_1_3 * weighted_5_4);
+            move_excluded_1_2 = -minus_moves_5_2;
+            move_excluded_2_2 = moves_6_2;
         }
-        phase_x_if_not_none_phase_x = true;
-        phase_x_if_not_none_phase_x_3 = x_excluded_below_3;
+        phase_x_if_not_none = true;
+        phase_x_if_not_none_3 = x_excluded_below_3;
     }
-    float added_1_phase_x = 0.0f;
-    bool weights_1 = true;
-    float added_3_phase_x = 0.0f;
-    float added_4_phase_x = 0.0f;
-    bool weights_3 = true;
-    bool weights_5 = true;
-    float added_2_phase_x = 0.0f;
-    float added_1_deviation_phase_x = 0.0f;
-    float added_2_deviation_phase_y = 0.0f;
-    float added_3_deviation_yaw = 0.0f;
-    float added_4_deviation_amplitude = 0.0f;
-    if (!none_phase_x) {
-        const float phase_x_product_7 = gains_1_phase_x_2 * scores_1_phase_x_2;
-        const float phase_x_product_8 = gains_2_phase_x_2 * scores_2_phase_x_2;
-        added_1_phase_x = -((moves_1_1_phase_x_2 * phase_x_product_7) + (moves_2_1_phase_x_2 * phase_x_product_8));
-        weights_1 = phase_x_if_not_none_phase_x;
-        added_3_phase_x = -((moves_1_3_phase_x_2 * phase_x_product_7) + (moves_2_3_phase_x * phase_x_product_8));
-        added_4_phase_x = -((moves_1_4_phase_x_2 * phase_x_product_7) + (moves_2_4_phase_x * phase_x_product_8));
-        weights_3 = phase_x_if_not_none_phase_x_2;
-        weights_5 = phase_x_if_not_none_phase_x_3;
-        added_2_phase_x = -((moves_1_2_phase_x * phase_x_product_7) + (moves_2_2_phase_x_2 * phase_x_product_8));
-        added_1_deviation_phase_x = (gains_1_phase_x_2 * (moves_1_1_phase_x_2 * moves_1_1_phase_x_2)) +
-            (gains_2_phase_x_2 * (moves_2_1_phase_x_2 * moves_2_1_phase_x_2));
-        added_2_deviation_phase_y = (gains_1_phase_x_2 * (moves_1_2_phase_x * moves_1_2_phase_x)) +
-            (gains_2_phase_x_2 * (moves_2_2_phase_x_2 * moves_2_2_phase_x_2));
-        added_3_deviation_yaw = (gains_1_phase_x_2 * (moves_1_3_phase_x_2 * moves_1_3_phase_x_2)) +
-            (gains_2_phase_x_2 * (moves_2_3_phase_x * moves_2_3_phase_x));
-        added_4_deviation_amplitude = (gains_1_phase_x_2 * (moves_1_4_phase_x_2 * moves_1_4_phase_x_2)) +
-            (gains_2_phase_x_2 * (moves_2_4_phase_x * moves_2_4_phase_x));
+    float added_1 = 0.0f;
+    bool weights_2 = true;
+    float added_3 = 0.0f;
+    float added_4 = 0.0f;
+    bool weights_4 = true;
+    bool weights_6 = true;
+    float added_2 = 0.0f;
+    float deviation_phase_x_choice = 0.0f;
+    float deviation_phase_y_choice = 0.0f;
+    float deviation_yaw_choice = 0.0f;
+    float deviation_amplitude_choice = 0.0f;
+    if (!none) {
+        const float phase_x_product_2 = gain_excluded_1 * scores_1_2;
+        const float phase_x_product_3 = gain_excluded_2 * scores_2_2;
+        added_1 = -((move_excluded_1_1 * phase_x_product_2) + (move_excluded_2_1 * phase_x_product_3));
+        weights_2 = phase_x_if_not_none;
+        added_3 = -((move_excluded_1_3 * phase_x_product_2) + (move_excluded_2_3 * phase_x_product_3));
+        added_4 = -((move_excluded_1_4 * phase_x_product_2) + (move_excluded_2_4 * phase_x_product_3));
+        weights_4 = phase_x_if_not_none_2;
+        weights_6 = phase_x_if_not_none_3;
+        added_2 = -((move_excluded_1_2 * phase_x_product_2) + (move_excluded_2_2 * phase_x_product_3));
+        deviation_phase_x_choice = (gain_excluded_1 * (move_excluded_1_1 * move_excluded_1_1)) +
+            (gain_excluded_2 * (move_excluded_2_1 * move_excluded_2_1));
+        deviation_phase_y_choice = (gain_excluded_1 * (move_excluded_1_2 * move_excluded_1_2)) +
+            (gain_excluded_2 * (move_excluded_2_2 * move_excluded_2_2));
+        deviation_yaw_choice = (gain_excluded_1 * (move_excluded_1_3 * move_excluded_1_3)) +
+            (gain_excluded_2 * (move_excluded_2_3 * move_excluded_2_3));
+        deviation_amplitude_choice = (gain_excluded_1 * (move_excluded_1_4 * move_excluded_1_4)) +
+            (gain_excluded_2 * (move_excluded_2_4 * move_excluded_2_4));
     }
-    const float variances_1 = diagonal_1 + added_1_deviation_phase_x;
+    const float variance_phase_x = diagonal_1 + deviation_phase_x_choice;
     const float deviation_phase_y_sum = lower_4_2 - (lower_4_3 * lower_3_2);
     const float diagonal_2 = inverse_2 + (lower_3_2 * lower_3_2 * inverse_3) +
         (deviation_phase_y_sum * deviation_phase_y_sum * diagonal_4);
-    const float variances_2 = diagonal_2 + added_2_deviation_phase_y;
+    const float variance_phase_y = diagonal_2 + deviation_phase_y_choice;
     const float diagonal_3 = inverse_3 + (lower_4_3 * lower_4_3 * diagonal_4);
-    const float variances_3 = diagonal_3 + added_3_deviation_yaw;
-    const float variances_4 = diagonal_4 + added_4_deviation_amplitude;
-    const bool weak = !factors_2 || (weak_from <= variances_1) || (weak_from <= variances_2) ||
-        (weak_from_yaw <= variances_3) || (weak_from <= variances_4);
+    const float variance_yaw = diagonal_3 + deviation_yaw_choice;
+    const float variance_amplitude = diagonal_4 + deviation_amplitude_choice;
+    const bool weak = !in_range || (weak_from <= variance_phase_x) || (weak_from <= variance_phase_y) ||
+        (weak_from_yaw <= variance_yaw) || (weak_from <= variance_amplitude);
     const bool phases_valid_test = screened && !weak;
-    const float best_3 = hall_position_three_limit(steps_3_phase_x + added_3_phase_x, largest_step_yaw);
-    const float moved_3_2 = hall_position_three_limit(starts_3 + best_3, highest_yaw);
-    const float cosine_argument = moved_3_2 * moved_3_2;
-    const float turns_3_cosine = cosine_polynomial(cosine_argument);
-    const float turns_3_sine = moved_3_2 * sine_polynomial(cosine_argument);
-    const float limited_3_cosine = turns_3_cosine - cos_yaw;
-    const float best_1 = hall_position_three_limit(steps_1_phase_x + added_1_phase_x, largest_step_phase);
-    const float limited_3_sine = hall_position_three_limit(turns_3_sine - sin_yaw, largest_step_yaw);
-    const float best_4 = hall_position_three_limit(steps_4_phase_x + added_4_phase_x, largest_step_amplitude);
-    const float phase_x_limited = hall_position_three_max(hall_position_three_min(amplitude_2 + best_4,
+    const float offsets_3 = hall_position_three_limit(steps_3 + added_3, largest_step_yaw);
+    const float moved_yaw = hall_position_three_limit(predicted_yaw + offsets_3, highest_yaw);
+    const float cosine_argument = moved_yaw * moved_yaw;
+    const float turn_yaw_cosine = cosine_polynomial(cosine_argument);
+    const float turn_yaw_sine = moved_yaw * sine_polynomial(cosine_argument);
+    const float chord_yaw_cosine = turn_yaw_cosine - cos_yaw;
+    const float offsets_1 = hall_position_three_limit(steps_1 + added_1, largest_step_phase);
+    const float limited_yaw_sine = hall_position_three_limit(turn_yaw_sine - sin_yaw, largest_step_yaw);
+    const float phase_x_change = hall_position_three_limit(steps_4 + added_4, largest_step_amplitude);
+    const float phase_x_limited = hall_position_three_max(hall_position_three_min(amplitude_2 + phase_x_change,
         highest_amplitude), lowest_amplitude);
-    const float best_2 = hall_position_three_limit(steps_2_phase_x + added_2_phase_x, largest_step_phase);
+    const float offsets_2 = hall_position_three_limit(steps_2 + added_2, largest_step_phase);
     float phase_x_choice = 0.0f;
     float phase_x_choice_2 = 0.0f;
     float phase_x_choice_3 = 0.0f;
     float phase_x_choice_4 = 0.0f;
     float chi_square_choice = 0.0f;
-    if (weights_1) {
-        const float by_ax = best_1 + (arm_a_x * limited_3_cosine) - (arm_a_y * limited_3_sine);
+    if (weights_2) {
+        const float by_ax = offsets_1 + (arm_a_x * chord_yaw_cosine) - (arm_a_y * limited_yaw_sine);
         const float cosine_2_argument = by_ax * by_ax;
-        const float phasors_1_sine = (ax_part_full * cosine_2_polynomial(cosine_2_argument)) +
-            (start_cosine_ax * (by_ax * sine_4_polynomial(cosine_2_argument)));
-        const float phasors_1_sine_squared = phasors_1_sine * phasors_1_sine;
-        const float residuals_1_phase_x_2 = (turns_3_cosine * V_ax_held) - (turns_3_sine * V_ay_held) - (phase_x_limited
-            * (phasors_1_sine * (field_1 + (phasors_1_sine_squared * (field_3 + (phasors_1_sine_squared * field_5))))));
-        phase_x_choice = rows_1_1 * residuals_1_phase_x_2;
-        const float by_ay = best_2 + (arm_a_y * limited_3_cosine) + (arm_a_x * limited_3_sine);
+        const float phasor_ax_sine = (ax_part_full * cosine_2_polynomial(cosine_2_argument)) +
+            (phasor_ax_cosine * (by_ax * sine_4_polynomial(cosine_2_argument)));
+        const float phasor_ax_sine_squared = phasor_ax_sine * phasor_ax_sine;
+        const float residuals_1_2 = (turn_yaw_cosine * V_ax_held) - (turn_yaw_sine * V_ay_held) - (phase_x_limited *
+            (phasor_ax_sine * (field_1 + (phasor_ax_sine_squared * (field_3 + (phasor_ax_sine_squared * field_5))))));
+        phase_x_choice = rows_1_1 * residuals_1_2;
+        const float by_ay = offsets_2 + (arm_a_y * chord_yaw_cosine) + (arm_a_x * limited_yaw_sine);
         const float cosine_2_argument_2 = by_ay * by_ay;
-        const float phasors_2_sine = (ay_part_full * cosine_2_polynomial(cosine_2_argument_2)) +
-            (start_cosine_ay * (by_ay * sine_4_polynomial(cosine_2_argument_2)));
-        const float phasors_2_sine_squared = phasors_2_sine * phasors_2_sine;
-        const float residuals_2_phase_x_2 = (turns_3_cosine * V_ay_held) + (turns_3_sine * V_ax_held) - (phase_x_limited
-            * (phasors_2_sine * (field_1 + (phasors_2_sine_squared * (field_3 + (phasors_2_sine_squared * field_5))))));
-        phase_x_choice_2 = (rows_1_3 * residuals_1_phase_x_2) - (minus_rows_2_3 * residuals_2_phase_x_2);
-        phase_x_choice_3 = rows_2_2 * residuals_2_phase_x_2;
-        phase_x_choice_4 = (rows_1_4 * residuals_1_phase_x_2) + (rows_2_4 * residuals_2_phase_x_2);
-        chi_square_choice = (residuals_1_phase_x_2 * residuals_1_phase_x_2) +
-            (residuals_2_phase_x_2 * residuals_2_phase_x_2);
+        const float phasor_ay_sine = (ay_part_full * cosine_2_polynomial(cosine_2_argument_2)) +
+            (phasor_ay_cosine * (by_ay * sine_4_polynomial(cosine_2_argument_2)));
+        const float phasor_ay_sine_squared = phasor_ay_sine * phasor_ay_sine;
+        const float residuals_2_2 = (turn_yaw_cosine * V_ay_held) + (turn_yaw_sine * V_ax_held) - (phase_x_limited *
+            (phasor_ay_sine * (field_1 + (phasor_ay_sine_squared * (field_3 + (phasor_ay_sine_squared * field_5))))));
+        phase_x_choice_2 = (rows_1_3 * residuals_1_2) - (minus_rows_2_3 * residuals_2_2);
+        phase_x_choice_3 = rows_2_2 * residuals_2_2;
+        phase_x_choice_4 = (rows_1_4 * residuals_1_2) + (rows_2_4 * residuals_2_2);
+        chi_square_choice = (residuals_1_2 * residuals_1_2) + (residuals_2_2 * residuals_2_2);
     }
     float phase_x_choice_5 = 0.0f;
     float phase_x_choice_6 = 0.0f;
@@ -865,29 +841,29 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     float phase_x_choice_10 = 0.0f;
     float chi_square_choice_2 = 0.0f;
     float chi_square_choice_3 = 0.0f;
-    if (weights_3) {
-        const float by_bx = best_1 + (arm_b_x * limited_3_cosine) - (arm_b_y * limited_3_sine);
+    if (weights_4) {
+        const float by_bx = offsets_1 + (arm_b_x * chord_yaw_cosine) - (arm_b_y * limited_yaw_sine);
         const float cosine_2_argument_3 = by_bx * by_bx;
-        const float phasors_3_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument_3)) +
-            (start_cosine_bx * (by_bx * sine_4_polynomial(cosine_2_argument_3)));
-        const float phasors_3_sine_squared = phasors_3_sine * phasors_3_sine;
-        const float residuals_3_phase_x_2 = (turns_3_cosine * V_bx_held) - (turns_3_sine * V_by_held) - (phase_x_limited
-            * (phasors_3_sine * (field_1 + (phasors_3_sine_squared * (field_3 + (phasors_3_sine_squared * field_5))))));
-        phase_x_choice_5 = rows_3_1 * residuals_3_phase_x_2;
-        phase_x_choice_6 = rows_3_3 * residuals_3_phase_x_2;
-        const float by = best_2 + (arm_b_y * limited_3_cosine) + (arm_b_x * limited_3_sine);
-        const float cosine_2_argument_4 = by * by;
-        const float phasors_4_sine = (by_part_full * cosine_2_polynomial(cosine_2_argument_4)) +
-            (start_cosine_by * (by * sine_4_polynomial(cosine_2_argument_4)));
-        const float phasors_4_sine_squared = phasors_4_sine * phasors_4_sine;
-        const float residuals_4_phase_x_2 = (turns_3_cosine * V_by_held) + (turns_3_sine * V_bx_held) - (phase_x_limited
-            * (phasors_4_sine * (field_1 + (phasors_4_sine_squared * (field_3 + (phasors_4_sine_squared * field_5))))));
-        phase_x_choice_7 = -(minus_rows_4_3 * residuals_4_phase_x_2);
-        phase_x_choice_8 = rows_4_2 * residuals_4_phase_x_2;
-        phase_x_choice_9 = rows_3_4 * residuals_3_phase_x_2;
-        phase_x_choice_10 = rows_4_4 * residuals_4_phase_x_2;
-        chi_square_choice_2 = residuals_3_phase_x_2 * residuals_3_phase_x_2;
-        chi_square_choice_3 = residuals_4_phase_x_2 * residuals_4_phase_x_2;
+        const float phasor_bx_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument_3)) +
+            (phasor_bx_cosine * (by_bx * sine_4_polynomial(cosine_2_argument_3)));
+        const float phasor_bx_sine_squared = phasor_bx_sine * phasor_bx_sine;
+        const float residuals_3_2 = (turn_yaw_cosine * V_bx_held) - (turn_yaw_sine * V_by_held) - (phase_x_limited *
+            (phasor_bx_sine * (field_1 + (phasor_bx_sine_squared * (field_3 + (phasor_bx_sine_squared * field_5))))));
+        phase_x_choice_5 = rows_3_1 * residuals_3_2;
+        phase_x_choice_6 = rows_3_3 * residuals_3_2;
+        const float by_by = offsets_2 + (arm_b_y * chord_yaw_cosine) + (arm_b_x * limited_yaw_sine);
+        const float cosine_2_argument_4 = by_by * by_by;
+        const float phasor_by_sine = (by_part_full * cosine_2_polynomial(cosine_2_argument_4)) +
+            (phasor_by_cosine * (by_by * sine_4_polynomial(cosine_2_argument_4)));
+        const float phasor_by_sine_squared = phasor_by_sine * phasor_by_sine;
+        const float residuals_4_2 = (turn_yaw_cosine * V_by_held) + (turn_yaw_sine * V_bx_held) - (phase_x_limited *
+            (phasor_by_sine * (field_1 + (phasor_by_sine_squared * (field_3 + (phasor_by_sine_squared * field_5))))));
+        phase_x_choice_7 = -(minus_rows_4_3 * residuals_4_2);
+        phase_x_choice_8 = rows_4_2 * residuals_4_2;
+        phase_x_choice_9 = rows_3_4 * residuals_3_2;
+        phase_x_choice_10 = rows_4_4 * residuals_4_2;
+        chi_square_choice_2 = residuals_3_2 * residuals_3_2;
+        chi_square_choice_3 = residuals_4_2 * residuals_4_2;
     }
     float phase_x_choice_11 = 0.0f;
     float phase_x_choice_12 = 0.0f;
@@ -897,98 +873,92 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     float phase_x_choice_16 = 0.0f;
     float chi_square_choice_4 = 0.0f;
     float chi_square_choice_5 = 0.0f;
-    if (weights_5) {
-        const float by_cx = best_1 + (arm_c_x * limited_3_cosine) - (arm_c_y * limited_3_sine);
+    if (weights_6) {
+        const float by_cx = offsets_1 + (arm_c_x * chord_yaw_cosine) - (arm_c_y * limited_yaw_sine);
         const float cosine_2_argument_5 = by_cx * by_cx;
-        const float phasors_5_sine = (cx_part_full * cosine_2_polynomial(cosine_2_argument_5)) +
-            (start_cosine_cx * (by_cx * sine_4_polynomial(cosine_2_argument_5)));
-        const float phasors_5_sine_squared = phasors_5_sine * phasors_5_sine;
-        const float residuals_5_phase_x_2 = (turns_3_cosine * V_cx_held) - (turns_3_sine * V_cy_held) - (phase_x_limited
-            * (phasors_5_sine * (field_1 + (phasors_5_sine_squared * (field_3 + (phasors_5_sine_squared * field_5))))));
-        phase_x_choice_11 = rows_5_1 * residuals_5_phase_x_2;
-        phase_x_choice_12 = rows_5_3 * residuals_5_phase_x_2;
-        const float by_cy = best_2 + (arm_c_y * limited_3_cosine) + (arm_c_x * limited_3_sine);
+        const float phasor_cx_sine = (cx_part_full * cosine_2_polynomial(cosine_2_argument_5)) +
+            (phasor_cx_cosine * (by_cx * sine_4_polynomial(cosine_2_argument_5)));
+        const float phasor_cx_sine_squared = phasor_cx_sine * phasor_cx_sine;
+        const float residuals_5_2 = (turn_yaw_cosine * V_cx_held) - (turn_yaw_sine * V_cy_held) - (phase_x_limited *
+            (phasor_cx_sine * (field_1 + (phasor_cx_sine_squared * (field_3 + (phasor_cx_sine_squared * field_5))))));
+        phase_x_choice_11 = rows_5_1 * residuals_5_2;
+        phase_x_choice_12 = rows_5_3 * residuals_5_2;
+        const float by_cy = offsets_2 + (arm_c_y * chord_yaw_cosine) + (arm_c_x * limited_yaw_sine);
         const float cosine_2_argument_6 = by_cy * by_cy;
-        const float phasors_6_sine = (cy_part_full * cosine_2_polynomial(cosine_2_argument_6)) +
-            (start_cosine_cy * (by_cy * sine_4_polynomial(cosine_2_argument_6)));
-        const float phasors_6_sine_squared = phasors_6_sine * phasors_6_sine;
-        const float residuals_6_phase_x_2 = (turns_3_cosine * V_cy_held) + (turns_3_sine * V_cx_held) - (phase_x_limited
-            * (phasors_6_sine * (field_1 + (phasors_6_sine_squared * (field_3 + (phasors_6_sine_squared * field_5))))));
-        phase_x_choice_13 = -(minus_rows_6_3 * residuals_6_phase_x_2);
-        phase_x_choice_14 = rows_6_2 * residuals_6_phase_x_2;
-        phase_x_choice_15 = rows_5_4 * residuals_5_phase_x_2;
-        phase_x_choice_16 = rows_6_4 * residuals_6_phase_x_2;
-        chi_square_choice_4 = residuals_5_phase_x_2 * residuals_5_phase_x_2;
-        chi_square_choice_5 = residuals_6_phase_x_2 * residuals_6_phase_x_2;
+        const float phasor_cy_sine = (cy_part_full * cosine_2_polynomial(cosine_2_argument_6)) +
+            (phasor_cy_cosine * (by_cy * sine_4_polynomial(cosine_2_argument_6)));
+        const float phasor_cy_sine_squared = phasor_cy_sine * phasor_cy_sine;
+        const float residuals_6_2 = (turn_yaw_cosine * V_cy_held) + (turn_yaw_sine * V_cx_held) - (phase_x_limited *
+            (phasor_cy_sine * (field_1 + (phasor_cy_sine_squared * (field_3 + (phasor_cy_sine_squared * field_5))))));
+        phase_x_choice_13 = -(minus_rows_6_3 * residuals_6_2);
+        phase_x_choice_14 = rows_6_2 * residuals_6_2;
+        phase_x_choice_15 = rows_5_4 * residuals_5_2;
+        phase_x_choice_16 = rows_6_4 * residuals_6_2;
+        chi_square_choice_4 = residuals_5_2 * residuals_5_2;
+        chi_square_choice_5 = residuals_6_2 * residuals_6_2;
     }
-    const float offsets_4_phase_x_2 = offsets_4_phase_x + best_4;
-    const float gradient_1_phase_x_2 = phase_x_choice + phase_x_choice_5 + phase_x_choice_11;
-    const float phase_x_product_9 = gradient_1_phase_x_2 * inverse_1;
-    const float gradient_2_phase_x_2 = phase_x_choice_3 + phase_x_choice_8 + phase_x_choice_14;
-    const float phase_y_product = gradient_2_phase_x_2 * inverse_2;
-    const float gradient_3_phase_x = phase_x_choice_2 + phase_x_choice_6 + phase_x_choice_7 + phase_x_choice_12 +
+    const float offsets_4_2 = offsets_4 + phase_x_change;
+    const float gradient_1 = phase_x_choice + phase_x_choice_5 + phase_x_choice_11;
+    const float gradient_1_times_inverse_1 = gradient_1 * inverse_1;
+    const float gradient_2 = phase_x_choice_3 + phase_x_choice_8 + phase_x_choice_14;
+    const float gradient_2_times_inverse_2 = gradient_2 * inverse_2;
+    const float gradient_3 = phase_x_choice_2 + phase_x_choice_6 + phase_x_choice_7 + phase_x_choice_12 +
         phase_x_choice_13;
-    const float forward_3_phase_x_2 = gradient_3_phase_x - (lower_3_1 * gradient_1_phase_x_2) -
-        (lower_3_2 * gradient_2_phase_x_2);
-    const float phase_x_product_10 = forward_3_phase_x_2 * inverse_3;
-    const float gradient_4_phase_x = phase_x_choice_4 + phase_x_choice_9 + phase_x_choice_10 + phase_x_choice_15 +
-        phase_x_choice_16 - (prior_weight_amplitude * offsets_4_phase_x_2);
-    const float forward_4_phase_x_5 = gradient_4_phase_x - (lower_4_1 * gradient_1_phase_x_2) -
-        (lower_4_2 * gradient_2_phase_x_2) - (lower_4_3 * forward_3_phase_x_2);
-    const float steps_4_phase_x_2 = forward_4_phase_x_5 * diagonal_4;
-    float added_1_phase_x_2 = 0.0f;
-    float added_2_phase_y = 0.0f;
-    float added_3_yaw = 0.0f;
-    float added_4_amplitude = 0.0f;
-    float added_chi_square = 0.0f;
-    if (!none_phase_x) {
-        const float projections_1 = hall_position_three_limit((moves_1_1_phase_x_2 * gradient_1_phase_x_2) +
-            (moves_1_2_phase_x * gradient_2_phase_x_2) + (moves_1_3_phase_x_2 * gradient_3_phase_x) +
-            (moves_1_4_phase_x_2 * gradient_4_phase_x), largest_projection);
-        const float phase_x_product_11 = gains_1_phase_x_2 * projections_1;
-        const float projections_2 = hall_position_three_limit((moves_2_1_phase_x_2 * gradient_1_phase_x_2) +
-            (moves_2_2_phase_x_2 * gradient_2_phase_x_2) + (moves_2_3_phase_x * gradient_3_phase_x) +
-            (moves_2_4_phase_x * gradient_4_phase_x), largest_projection);
-        const float phase_x_product_12 = gains_2_phase_x_2 * projections_2;
-        added_1_phase_x_2 = (moves_1_1_phase_x_2 * phase_x_product_11) + (moves_2_1_phase_x_2 * phase_x_product_12);
-        added_2_phase_y = (moves_1_2_phase_x * phase_x_product_11) + (moves_2_2_phase_x_2 * phase_x_product_12);
-        added_3_yaw = (moves_1_3_phase_x_2 * phase_x_product_11) + (moves_2_3_phase_x * phase_x_product_12);
-        added_4_amplitude = (moves_1_4_phase_x_2 * phase_x_product_11) + (moves_2_4_phase_x * phase_x_product_12);
-        added_chi_square = (gains_1_phase_x_2 * (projections_1 * projections_1)) +
-            (gains_2_phase_x_2 * (projections_2 * projections_2));
+    const float forward_3_2 = gradient_3 - (lower_3_1 * gradient_1) - (lower_3_2 * gradient_2);
+    const float forward_3_2_times_inverse_3 = forward_3_2 * inverse_3;
+    const float gradient_4 = phase_x_choice_4 + phase_x_choice_9 + phase_x_choice_10 + phase_x_choice_15 +
+        phase_x_choice_16 - (prior_weight_amplitude * offsets_4_2);
+    const float forward_4_2 = gradient_4 - (lower_4_1 * gradient_1) - (lower_4_2 * gradient_2) -
+        (lower_4_3 * forward_3_2);
+    const float steps_4_2 = forward_4_2 * diagonal_4;
+    float added_1_2 = 0.0f;
+    float added_2_2 = 0.0f;
+    float added_3_2 = 0.0f;
+    float added_4_2 = 0.0f;
+    float chi_square_choice_6 = 0.0f;
+    if (!none) {
+        const float projection_1 = hall_position_three_limit((move_excluded_1_1 * gradient_1) + (move_excluded_1_2 *
+            gradient_2) + (move_excluded_1_3 * gradient_3) + (move_excluded_1_4 * gradient_4), largest_projection);
+        const float phase_x_product_4 = gain_excluded_1 * projection_1;
+        const float projection_2 = hall_position_three_limit((move_excluded_2_1 * gradient_1) + (move_excluded_2_2 *
+            gradient_2) + (move_excluded_2_3 * gradient_3) + (move_excluded_2_4 * gradient_4), largest_projection);
+        const float phase_x_product_5 = gain_excluded_2 * projection_2;
+        added_1_2 = (move_excluded_1_1 * phase_x_product_4) + (move_excluded_2_1 * phase_x_product_5);
+        added_2_2 = (move_excluded_1_2 * phase_x_product_4) + (move_excluded_2_2 * phase_x_product_5);
+        added_3_2 = (move_excluded_1_3 * phase_x_product_4) + (move_excluded_2_3 * phase_x_product_5);
+        added_4_2 = (move_excluded_1_4 * phase_x_product_4) + (move_excluded_2_4 * phase_x_product_5);
+        chi_square_choice_6 = (gain_excluded_1 * (projection_1 * projection_1)) +
+            (gain_excluded_2 * (projection_2 * projection_2));
     }
-    const float chi_square_sum = (gradient_1_phase_x_2 * phase_x_product_9) + (gradient_2_phase_x_2 * phase_y_product) +
-        (forward_3_phase_x_2 * phase_x_product_10) + (forward_4_phase_x_5 * steps_4_phase_x_2) + added_chi_square;
-    const float cost_chi_square = hall_position_three_max(chi_square_choice + chi_square_choice_2 +
-        chi_square_choice_3 + chi_square_choice_4 + chi_square_choice_5 +
-        (prior_weight_amplitude * (offsets_4_phase_x_2 * offsets_4_phase_x_2)) - chi_square_sum, 0.0f);
-    const bool none_protection_phase_x = hall_position_three_equal(x_excluded, 0.0f);
-    const float protection_phase_x_sum_2 = (moves_1_1_phase_x * moves_1_1_phase_x * gains_1_phase_x) +
-        (moves_2_1_phase_x * moves_2_1_phase_x * gains_2_phase_x);
-    const float protection_phase_x_sum_3 = (moves_3_1 * moves_3_1 * gains_3) + (moves_4_1 * moves_4_1 * gains_4);
-    const float protection_phase_x_sum_4 = (moves_5_1 * moves_5_1 * gains_5) + (moves_6_1 * moves_6_1 * gain);
-    const float deviation_phase_x = hall_position_three_min(channel_sigma * sqrtf(variances_1),
+    const float chi_square_sum = (gradient_1 * gradient_1_times_inverse_1) + (gradient_2 * gradient_2_times_inverse_2) +
+        (forward_3_2 * forward_3_2_times_inverse_3) + (forward_4_2 * steps_4_2) + chi_square_choice_6;
+    const float cost = hall_position_three_max(chi_square_choice + chi_square_choice_2 + chi_square_choice_3 +
+        chi_square_choice_4 + chi_square_choice_5 + (prior_weight_amplitude * (offsets_4_2 * offsets_4_2)) -
+        chi_square_sum, 0.0f);
+    const bool none_2 = hall_position_three_equal(x_excluded, 0.0f);
+    const float protection_phase_x_sum_2 = (moves_1_1 * moves_1_1 * gain_1) + (moves_2_1 * moves_2_1 * gain_2);
+    const float protection_phase_x_sum_3 = (moves_3_1 * moves_3_1 * gain_3) + (moves_4_1 * moves_4_1 * gain_4);
+    const float protection_phase_x_sum_4 = (moves_5_1 * moves_5_1 * gain_5) + (moves_6_1 * moves_6_1 * gain_6);
+    const float deviation_phase_x = hall_position_three_min(channel_sigma * sqrtf(variance_phase_x),
         largest_deviation_phase);
-    const float protection_phase_y_sum = (minus_moves_1_2 * minus_moves_1_2 * gains_1_phase_x) +
-        (moves_2_2_phase_x * moves_2_2_phase_x * gains_2_phase_x);
-    const float protection_phase_y_sum_2 = (minus_moves_3_2 * minus_moves_3_2 * gains_3) +
-        (moves_4_2 * moves_4_2 * gains_4);
-    const float protection_phase_y_sum_3 = (minus_moves_5_2 * minus_moves_5_2 * gains_5) +
-        (moves_6_2 * moves_6_2 * gain);
-    const float deviation_phase_y = hall_position_three_min(channel_sigma * sqrtf(variances_2),
+    const float protection_phase_y_sum = (minus_moves_1_2 * minus_moves_1_2 * gain_1) +
+        (moves_2_2 * moves_2_2 * gain_2);
+    const float protection_phase_y_sum_2 = (minus_moves_3_2 * minus_moves_3_2 * gain_3) +
+        (moves_4_2 * moves_4_2 * gain_4);
+    const float protection_phase_y_sum_3 = (minus_moves_5_2 * minus_moves_5_2 * gain_5) +
+        (moves_6_2 * moves_6_2 * gain_6);
+    const float deviation_phase_y = hall_position_three_min(channel_sigma * sqrtf(variance_phase_y),
         largest_deviation_phase);
-    const float protection_yaw_sum = (moves_1_3_phase_x * moves_1_3_phase_x * gains_1_phase_x) +
-        (minus_moves_2_3 * minus_moves_2_3 * gains_2_phase_x);
-    const float protection_yaw_sum_2 = (moves_3_3 * moves_3_3 * gains_3) +
-        (minus_moves_4_3 * minus_moves_4_3 * gains_4);
-    const float protection_yaw_sum_3 = (moves_5_3 * moves_5_3 * gains_5) + (minus_moves_6_3 * minus_moves_6_3 * gain);
-    const float deviation_yaw = hall_position_three_min(channel_sigma * sqrtf(variances_3), largest_deviation_yaw);
-    const float steps_3_phase_x_2 = phase_x_product_10 - (lower_4_3 * steps_4_phase_x_2);
-    const float moved_1 = hall_position_three_limit(best_1 + (phase_x_product_9 - (lower_3_1 * steps_3_phase_x_2) -
-        (lower_4_1 * steps_4_phase_x_2) + added_1_phase_x_2), largest_step_phase);
-    const float moved_2 = hall_position_three_limit(best_2 + (phase_y_product - (lower_3_2 * steps_3_phase_x_2) -
-        (lower_4_2 * steps_4_phase_x_2) + added_2_phase_y), largest_step_phase);
-    const float moved_3 = hall_position_three_limit(best_3 + (steps_3_phase_x_2 + added_3_yaw), largest_step_yaw);
+    const float protection_yaw_sum = (moves_1_3 * moves_1_3 * gain_1) + (minus_moves_2_3 * minus_moves_2_3 * gain_2);
+    const float protection_yaw_sum_2 = (moves_3_3 * moves_3_3 * gain_3) + (minus_moves_4_3 * minus_moves_4_3 * gain_4);
+    const float protection_yaw_sum_3 = (moves_5_3 * moves_5_3 * gain_5) + (minus_moves_6_3 * minus_moves_6_3 * gain_6);
+    const float deviation_yaw = hall_position_three_min(channel_sigma * sqrtf(variance_yaw), largest_deviation_yaw);
+    const float steps_3_2 = forward_3_2_times_inverse_3 - (lower_4_3 * steps_4_2);
+    const float moved_1 = hall_position_three_limit(offsets_1 + (gradient_1_times_inverse_1 - (lower_3_1 * steps_3_2) -
+        (lower_4_1 * steps_4_2) + added_1_2), largest_step_phase);
+    const float moved_2 = hall_position_three_limit(offsets_2 + (gradient_2_times_inverse_2 - (lower_3_2 * steps_3_2) -
+        (lower_4_2 * steps_4_2) + added_2_2), largest_step_phase);
+    const float moved_3 = hall_position_three_limit(offsets_3 + (steps_3_2 + added_3_2), largest_step_yaw);
     const float protection_phase_x_sum_5 = hypothesis_cost + (cancellation * full_cost);
     const bool protection_phase_x_test = hall_position_three_equal(x_excluded, 1.0f);
     const bool passing_1 = (costs_1 <= protection_phase_x_sum_5) || protection_phase_x_test;
@@ -1001,14 +971,14 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const bool protection_phase_x_test_3 = hall_position_three_equal(x_excluded, 3.0f);
     const bool passing_3 = (costs_3 <= protection_phase_x_sum_5) || protection_phase_x_test_3;
     const uint32_t plausible_3 = state->plausible_3;
-    const bool now = passing_3 || (plausible_3 != 0u);
+    const bool plausible_3_2 = passing_3 || (plausible_3 != 0u);
     float protection_phase_x_choice;
     float protection_phase_y_choice;
     float level;
     float limit = test_threshold;
     float phases_valid_choice = limit_phase;
     float phases_valid_choice_2 = limit_yaw;
-    if (none_protection_phase_x) {
+    if (none_2) {
         protection_phase_x_choice = (undetected *
             sqrtf(hall_position_three_max(hall_position_three_max(protection_phase_x_sum_2, protection_phase_x_sum_3),
             protection_phase_x_sum_4))) + (level_sigmas * deviation_phase_x);
@@ -1018,100 +988,98 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         level = (undetected * sqrtf(hall_position_three_max(hall_position_three_max(protection_yaw_sum,
             protection_yaw_sum_2), protection_yaw_sum_3))) + (level_sigmas * deviation_yaw);
     } else {
-        const float protection_phase_x_sum_6 = steps_1_phase_x - moved_1;
-        const float protection_phase_y_sum_4 = steps_2_phase_x - moved_2;
-        const float protection_yaw_sum_4 = steps_3_phase_x - moved_3;
-        float apart_protection_phase_x = 0.0f;
-        float added_protection_phase_x = protection_phase_x_sum_2;
-        float apart_protection_phase_y = 0.0f;
-        float added_protection_phase_y = protection_phase_y_sum;
-        float apart_protection_yaw = 0.0f;
-        float added_protection_yaw = protection_yaw_sum;
+        const float steps_1_minus_moved_1 = steps_1 - moved_1;
+        const float steps_2_minus_moved_2 = steps_2 - moved_2;
+        const float steps_3_minus_moved_3 = steps_3 - moved_3;
+        float apart = 0.0f;
+        float added = protection_phase_x_sum_2;
+        float apart_2 = 0.0f;
+        float added_5 = protection_phase_y_sum;
+        float apart_3 = 0.0f;
+        float added_6 = protection_yaw_sum;
         if (plausible_1_2) {
-            apart_protection_phase_x = fabsf(protection_phase_x_sum_6 - ((moves_1_1_phase_x *
-                protection_phase_x_product_2) + (moves_2_1_phase_x * protection_phase_x_product_3)));
-            apart_protection_phase_y = fabsf(protection_phase_y_sum_4 - ((moves_2_2_phase_x *
-                protection_phase_x_product_3) - (minus_moves_1_2 * protection_phase_x_product_2)));
-            apart_protection_yaw = fabsf(protection_yaw_sum_4 - ((moves_1_3_phase_x * protection_phase_x_product_2) -
-                (minus_moves_2_3 * protection_phase_x_product_3)));
+            apart = fabsf(steps_1_minus_moved_1 -
+                ((moves_1_1 * scores_1_times_gain_1) + (moves_2_1 * scores_2_times_gain_2)));
+            apart_2 = fabsf(steps_2_minus_moved_2 -
+                ((moves_2_2 * scores_2_times_gain_2) - (minus_moves_1_2 * scores_1_times_gain_1)));
+            apart_3 = fabsf(steps_3_minus_moved_3 -
+                ((moves_1_3 * scores_1_times_gain_1) - (minus_moves_2_3 * scores_2_times_gain_2)));
         } else {
-            added_protection_phase_x = 0.0f;
-            added_protection_phase_y = 0.0f;
-            added_protection_yaw = 0.0f;
+            added = 0.0f;
+            added_5 = 0.0f;
+            added_6 = 0.0f;
         }
         if (plausible_2_2) {
-            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6
-                - ((moves_3_1 * scores_3_times_gains_3) + (moves_4_1 * protection_phase_x_product))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_3);
-            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4
-                - ((moves_4_2 * protection_phase_x_product) - (minus_moves_3_2 * scores_3_times_gains_3))));
-            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_2);
-            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
-                ((moves_3_3 * scores_3_times_gains_3) - (minus_moves_4_3 * protection_phase_x_product))));
-            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_2);
+            apart = hall_position_three_max(apart, fabsf(steps_1_minus_moved_1 -
+                ((moves_3_1 * scores_3_times_gain_3) + (moves_4_1 * scores_4_times_gain_4))));
+            added = hall_position_three_max(added, protection_phase_x_sum_3);
+            apart_2 = hall_position_three_max(apart_2, fabsf(steps_2_minus_moved_2 -
+                ((moves_4_2 * scores_4_times_gain_4) - (minus_moves_3_2 * scores_3_times_gain_3))));
+            added_5 = hall_position_three_max(added_5, protection_phase_y_sum_2);
+            apart_3 = hall_position_three_max(apart_3, fabsf(steps_3_minus_moved_3 -
+                ((moves_3_3 * scores_3_times_gain_3) - (minus_moves_4_3 * scores_4_times_gain_4))));
+            added_6 = hall_position_three_max(added_6, protection_yaw_sum_2);
         }
-        if (now) {
-            apart_protection_phase_x = hall_position_three_max(apart_protection_phase_x, fabsf(protection_phase_x_sum_6
-                - ((moves_5_1 * scores_5_times_gains_5) + (moves_6_1 * scores_6_phase_x_times_gain))));
-            added_protection_phase_x = hall_position_three_max(added_protection_phase_x, protection_phase_x_sum_4);
-            apart_protection_phase_y = hall_position_three_max(apart_protection_phase_y, fabsf(protection_phase_y_sum_4
-                - ((moves_6_2 * scores_6_phase_x_times_gain) - (minus_moves_5_2 * scores_5_times_gains_5))));
-            added_protection_phase_y = hall_position_three_max(added_protection_phase_y, protection_phase_y_sum_3);
-            apart_protection_yaw = hall_position_three_max(apart_protection_yaw, fabsf(protection_yaw_sum_4 -
-                ((moves_5_3 * scores_5_times_gains_5) - (minus_moves_6_3 * scores_6_phase_x_times_gain))));
-            added_protection_yaw = hall_position_three_max(added_protection_yaw, protection_yaw_sum_3);
+        if (plausible_3_2) {
+            apart = hall_position_three_max(apart, fabsf(steps_1_minus_moved_1 -
+                ((moves_5_1 * scores_5_times_gain_5) + (moves_6_1 * scores_6_times_gain_6))));
+            added = hall_position_three_max(added, protection_phase_x_sum_4);
+            apart_2 = hall_position_three_max(apart_2, fabsf(steps_2_minus_moved_2 -
+                ((moves_6_2 * scores_6_times_gain_6) - (minus_moves_5_2 * scores_5_times_gain_5))));
+            added_5 = hall_position_three_max(added_5, protection_phase_y_sum_3);
+            apart_3 = hall_position_three_max(apart_3, fabsf(steps_3_minus_moved_3 -
+                ((moves_5_3 * scores_5_times_gain_5) - (minus_moves_6_3 * scores_6_times_gain_6))));
+            added_6 = hall_position_three_max(added_6, protection_yaw_sum_3);
         }
-        protection_phase_x_choice = overbound * (apart_protection_phase_x +
-            (level_noise * sqrtf(diagonal_1 + added_protection_phase_x)));
-        protection_phase_y_choice = overbound * (apart_protection_phase_y +
-            (level_noise * sqrtf(diagonal_2 + added_protection_phase_y)));
-        level = overbound * (apart_protection_yaw + (level_noise * sqrtf(diagonal_3 + added_protection_yaw)));
+        protection_phase_x_choice = overbound * (apart + (level_noise * sqrtf(diagonal_1 + added)));
+        protection_phase_y_choice = overbound * (apart_2 + (level_noise * sqrtf(diagonal_2 + added_5)));
+        level = overbound * (apart_3 + (level_noise * sqrtf(diagonal_3 + added_6)));
         limit = hypothesis_threshold;
         phases_valid_choice = excluded_limit_phase;
         phases_valid_choice_2 = excluded_limit_yaw;
     }
     const bool decides = !x_trial;
-    const bool passes_phases_valid = factors_2 && (cost_chi_square <= (channel_variance * limit)) && decides;
-    const bool accepted_2 = phases_valid_test && passes_phases_valid;
-    float phase_x = starts_1;
-    float phase_y = starts_2;
-    float yaw = starts_3;
+    const bool phases_valid_test_2 = in_range && (cost <= (channel_variance * limit)) && decides;
+    const bool accepted_2 = phases_valid_test && phases_valid_test_2;
+    float phase_x = predicted_phase_x;
+    float phase_y = predicted_phase_y;
+    float yaw = predicted_yaw;
     float amplitude = amplitude_2;
     float motions_motion_phase_x = motion_phase_x;
     float motions_motion_phase_y = motion_phase_y;
     float motions_motion_yaw = motion_yaw;
     bool plausible_1_test = plausible_1_2;
     bool plausible_2_test = plausible_2_2;
-    bool plausible_3_test = now;
+    bool plausible_3_test = plausible_3_2;
     if (x_trial) {
-        const bool refuted = x_trial && (refuted_cost < cost_chi_square);
+        const bool refuted = x_trial && (refuted_cost < cost);
         plausible_1_test = (plausible_1 != 0u) && !(refuted && protection_phase_x_test);
         plausible_2_test = (plausible_2 != 0u) && !(refuted && protection_phase_x_test_2);
         plausible_3_test = (plausible_3 != 0u) && !(refuted && protection_phase_x_test_3);
     } else {
-        const float starts_1_plus_moved_1 = starts_1 + moved_1;
-        float phase_x_choice_17 = starts_1_plus_moved_1;
-        if (pi < starts_1_plus_moved_1) {
-            phase_x_choice_17 = starts_1_plus_moved_1 - two_pi;
+        const float phase_x_sum_7 = predicted_phase_x + moved_1;
+        float phase_x_choice_17 = phase_x_sum_7;
+        if (pi < phase_x_sum_7) {
+            phase_x_choice_17 = phase_x_sum_7 - two_pi;
         }
         float phase_x_choice_18 = phase_x_choice_17;
         if (phase_x_choice_17 < -pi) {
             phase_x_choice_18 = phase_x_choice_17 + two_pi;
         }
         phase_x = hall_position_three_limit(phase_x_choice_18, pi);
-        const float starts_2_plus_moved_2 = starts_2 + moved_2;
-        float phase_y_choice = starts_2_plus_moved_2;
-        if (pi < starts_2_plus_moved_2) {
-            phase_y_choice = starts_2_plus_moved_2 - two_pi;
+        const float phase_y_sum = predicted_phase_y + moved_2;
+        float phase_y_choice = phase_y_sum;
+        if (pi < phase_y_sum) {
+            phase_y_choice = phase_y_sum - two_pi;
         }
         float phase_y_choice_2 = phase_y_choice;
         if (phase_y_choice < -pi) {
             phase_y_choice_2 = phase_y_choice + two_pi;
         }
         phase_y = hall_position_three_limit(phase_y_choice_2, pi);
-        yaw = hall_position_three_limit(starts_3 + moved_3, highest_yaw);
-        const float amplitude_limited = hall_position_three_min(amplitude_2 + hall_position_three_limit(best_4 +
-            (steps_4_phase_x_2 + added_4_amplitude), largest_step_amplitude), highest_amplitude);
+        yaw = hall_position_three_limit(predicted_yaw + moved_3, highest_yaw);
+        const float amplitude_limited = hall_position_three_min(amplitude_2 + hall_position_three_limit(phase_x_change +
+            (steps_4_2 + added_4_2), largest_step_amplitude), highest_amplitude);
         amplitude = hall_position_three_max(amplitude_limited, lowest_amplitude);
         if (fabsf(moved_1) < largest_step_phase) {
             motions_motion_phase_x = motion_phase_x + (0.5f * moved_1);
@@ -1129,9 +1097,9 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
             motions_motion_yaw = 0.0f;
         }
     }
-    const bool uncertain = !(none_protection_phase_x || x_certain);
-    const bool detectable = (gains_1_phase_x < largest_gain) && (gains_2_phase_x < largest_gain) &&
-        (gains_3 < largest_gain) && (gains_4 < largest_gain) && (gains_5 < largest_gain) && (gain < largest_gain);
+    const bool uncertain = !(none_2 || x_certain);
+    const bool detectable = (gain_1 < largest_gain) && (gain_2 < largest_gain) && (gain_3 < largest_gain) &&
+        (gain_4 < largest_gain) && (gain_5 < largest_gain) && (gain_6 < largest_gain);
     if (!detectable) {
         protection_phase_x_choice = largest_level_phase;
         protection_phase_y_choice = largest_level_phase;
@@ -1140,33 +1108,33 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     const float protection_phase_x = hall_position_three_min(protection_phase_x_choice, largest_level_phase);
     const float protection_phase_y = hall_position_three_min(protection_phase_y_choice, largest_level_phase);
     const float protection_yaw = hall_position_three_min(level, largest_level_yaw);
-    const bool within = detectable && (protection_phase_x <= phases_valid_choice) &&
+    const bool phases_valid_test_3 = detectable && (protection_phase_x <= phases_valid_choice) &&
         (protection_phase_y <= phases_valid_choice) && (protection_yaw <= phases_valid_choice_2);
     const bool contested = uncertain && (1u < (hall_position_three_flag(plausible_1_2) +
-        hall_position_three_flag(plausible_2_2) + hall_position_three_flag(now))) && !within;
+        hall_position_three_flag(plausible_2_2) + hall_position_three_flag(plausible_3_2))) && !phases_valid_test_3;
     const uint32_t missed = state->missed;
     const bool lost = track_patience <= missed;
-    const bool phases_valid_test_2 = !lost;
+    const bool phases_valid_test_4 = !lost;
     const bool converged = chi_square_sum <= decrease_tolerance;
-    float tracked_2_motion_phase_x = 0.0f;
-    float tracked_2_motion_phase_y = 0.0f;
-    float tracked_2_motion_yaw = 0.0f;
+    float tracked_motion_phase_x = 0.0f;
+    float tracked_motion_phase_y = 0.0f;
+    float tracked_motion_yaw = 0.0f;
     if (tracking) {
         if (accepted_2) {
             state->phase_x = phase_x;
             state->phase_y = phase_y;
             state->yaw = yaw;
             state->amplitude = amplitude;
-            tracked_2_motion_phase_x = motions_motion_phase_x;
-            tracked_2_motion_phase_y = motions_motion_phase_y;
-            tracked_2_motion_yaw = motions_motion_yaw;
+            tracked_motion_phase_x = motions_motion_phase_x;
+            tracked_motion_phase_y = motions_motion_phase_y;
+            tracked_motion_yaw = motions_motion_yaw;
         } else {
-            state->phase_x = starts_1;
-            state->phase_y = starts_2;
-            state->yaw = starts_3;
-            tracked_2_motion_phase_x = motion_phase_x;
-            tracked_2_motion_phase_y = motion_phase_y;
-            tracked_2_motion_yaw = motion_yaw;
+            state->phase_x = predicted_phase_x;
+            state->phase_y = predicted_phase_y;
+            state->yaw = predicted_yaw;
+            tracked_motion_phase_x = motion_phase_x;
+            tracked_motion_phase_y = motion_phase_y;
+            tracked_motion_yaw = motion_yaw;
         }
         const float excluded_3 = hall_position_three_max(excluded_choice, 0.0f);
         state->excluded = (uint32_t)excluded_3;
@@ -1188,7 +1156,7 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         }
         state->start_number = starts;
         state->candidates = 0u;
-        state->missed = (accepted_2 && phases_valid_test_2) ? 0u : ((lost) ? missed : (missed + 1u));
+        state->missed = (accepted_2 && phases_valid_test_4) ? 0u : ((lost) ? missed : (missed + 1u));
         state->age = 0u;
     } else {
         const uint32_t age = state->age;
@@ -1196,17 +1164,17 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         const bool start_number_at_least_23 = last_start <= start_number;
         const bool last = ends && start_number_at_least_23;
         const uint32_t candidates = state->candidates;
-        const bool solves = converged && accepted_2 && none_protection_phase_x;
+        const bool solves = converged && accepted_2 && none_2;
         const bool first = candidates == 0u;
         const float candidate_phase_x = state->candidate_phase_x;
         const float apart_phase_x = fabsf(phase_x - candidate_phase_x);
         const float candidate_phase_y = state->candidate_phase_y;
         const float apart_phase_y = fabsf(phase_y - candidate_phase_y);
         const float candidate_yaw = state->candidate_yaw;
-        const float phase_x_sum_7 = 2.0f - ((first || ((hall_position_three_min(apart_phase_x, fabsf(apart_phase_x -
+        const float phase_x_sum_8 = 2.0f - ((first || ((hall_position_three_min(apart_phase_x, fabsf(apart_phase_x -
             two_pi)) <= agreement_phase) && (hall_position_three_min(apart_phase_y, fabsf(apart_phase_y - two_pi)) <=
             agreement_phase) && (fabsf(yaw - candidate_yaw) <= agreement_yaw))) ? 1.0f : 0.0f);
-        const float count = hall_position_three_max((float)candidates, (solves ? 1.0f : 0.0f) * phase_x_sum_7);
+        const float count = hall_position_three_max((float)candidates, (solves ? 1.0f : 0.0f) * phase_x_sum_8);
         const bool unique = last && hall_position_three_equal(count, 1.0f);
         float candidate_phase_x_2 = phase_x;
         float candidate_phase_y_2 = phase_y;
@@ -1228,23 +1196,23 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         float yaw_if_not_unique = yaw;
         float amplitude_if_not_unique = 1.0f;
         if (ends) {
-            const float phase_x_sum_8 = state->begin_phase_x + increment_phase_x;
-            if (pi < phase_x_sum_8) {
-                const float phase_x_sum_8_minus_two_pi = phase_x_sum_8 - two_pi;
-                phase_x_if_not_unique = phase_x_sum_8_minus_two_pi;
-                state->begin_phase_x = phase_x_sum_8_minus_two_pi;
+            const float phase_x_sum_9 = state->begin_phase_x + increment_phase_x;
+            if (pi < phase_x_sum_9) {
+                const float phase_x_sum_9_minus_two_pi = phase_x_sum_9 - two_pi;
+                phase_x_if_not_unique = phase_x_sum_9_minus_two_pi;
+                state->begin_phase_x = phase_x_sum_9_minus_two_pi;
             } else {
-                phase_x_if_not_unique = phase_x_sum_8;
-                state->begin_phase_x = phase_x_sum_8;
+                phase_x_if_not_unique = phase_x_sum_9;
+                state->begin_phase_x = phase_x_sum_9;
             }
-            const float phase_y_sum = state->begin_phase_y + increment_phase_y;
-            if (pi < phase_y_sum) {
-                const float phase_y_sum_minus_two_pi = phase_y_sum - two_pi;
-                phase_y_if_not_unique = phase_y_sum_minus_two_pi;
-                state->begin_phase_y = phase_y_sum_minus_two_pi;
+            const float phase_y_sum_2 = state->begin_phase_y + increment_phase_y;
+            if (pi < phase_y_sum_2) {
+                const float phase_y_sum_2_minus_two_pi = phase_y_sum_2 - two_pi;
+                phase_y_if_not_unique = phase_y_sum_2_minus_two_pi;
+                state->begin_phase_y = phase_y_sum_2_minus_two_pi;
             } else {
-                phase_y_if_not_unique = phase_y_sum;
-                state->begin_phase_y = phase_y_sum;
+                phase_y_if_not_unique = phase_y_sum_2;
+                state->begin_phase_y = phase_y_sum_2;
             }
             const float begin_yaw_plus_increment_yaw = state->begin_yaw + increment_yaw;
             if (highest_yaw < begin_yaw_plus_increment_yaw) {
@@ -1284,9 +1252,9 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         state->candidates = (uint32_t)((!last || unique) ? count : 0.0f);
         state->missed = 0u;
     }
-    state->motion_phase_x = hall_position_three_limit(tracked_2_motion_phase_x, largest_motion_phase);
-    state->motion_phase_y = hall_position_three_limit(tracked_2_motion_phase_y, largest_motion_phase);
-    state->motion_yaw = hall_position_three_limit(tracked_2_motion_yaw, largest_motion_yaw);
+    state->motion_phase_x = hall_position_three_limit(tracked_motion_phase_x, largest_motion_phase);
+    state->motion_phase_y = hall_position_three_limit(tracked_motion_phase_y, largest_motion_phase);
+    state->motion_yaw = hall_position_three_limit(tracked_motion_yaw, largest_motion_yaw);
     if (diagnostics != NULL) {
         diagnostics->deviation_phase_x = deviation_phase_x;
         diagnostics->deviation_phase_y = deviation_phase_y;
@@ -1294,17 +1262,17 @@ HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
         diagnostics->phase_y = phase_y;
         diagnostics->protection_phase_x = protection_phase_x;
         diagnostics->protection_phase_y = protection_phase_y;
-        diagnostics->phases_valid = (converged && phases_valid_test && passes_phases_valid && within && tracking &&
-            phases_valid_test_2) ? 1.0f : 0.0f;
+        diagnostics->phases_valid = (converged && phases_valid_test && phases_valid_test_2 && phases_valid_test_3 &&
+            tracking && phases_valid_test_4) ? 1.0f : 0.0f;
     }
     return (hall_position_three_estimator_t){.excluded = excluded, .phase_x = phase_x, .phase_y = phase_y, .yaw = yaw,
         .amplitude = amplitude, .deviation_phase_x = deviation_phase_x, .deviation_phase_y = deviation_phase_y,
         .deviation_yaw = deviation_yaw, .deviation_amplitude = hall_position_three_min(channel_sigma *
-        sqrtf(variances_4), largest_deviation_amplitude), .chi_square =
-        hall_position_three_min(inverse_channel_variance * cost_chi_square, largest_chi_square), .protection_phase_x =
+        sqrtf(variance_amplitude), largest_deviation_amplitude), .chi_square =
+        hall_position_three_min(inverse_channel_variance * cost, largest_chi_square), .protection_phase_x =
         protection_phase_x, .protection_phase_y = protection_phase_y, .protection_yaw = protection_yaw, .converged =
         converged, .weak = weak, .tracking = tracking, .lost = lost, .phases_valid = converged && phases_valid_test &&
-        passes_phases_valid && within && tracking && phases_valid_test_2, .doubted = x_trial || contested};
+        phases_valid_test_2 && phases_valid_test_3 && tracking && phases_valid_test_4, .doubted = x_trial || contested};
 }
 
 typedef struct {

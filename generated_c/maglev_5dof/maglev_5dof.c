@@ -472,7 +472,7 @@ typedef struct {
     bool repeats_y2;
     bool repeats_y3;
     bool repeats_y4;
-    bool agreeing;
+    bool decided;
     bool isolated_y1;
     bool readmitted_y1;
     bool readmitted_y2;
@@ -481,7 +481,7 @@ typedef struct {
     bool isolated_y2;
     bool isolated_y3;
     bool isolated_y4;
-    bool value;
+    bool enough;
 } maglev_5dof_redundancy_output_2_t;
 
 /* redundancy: parity, innovations, frozen codes */
@@ -530,7 +530,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
     bool repeats_y2 = false;
     bool repeats_y3 = false;
     bool repeats_y4 = false;
-    bool agreeing = false;
+    bool decided = false;
     bool isolated_y1 = false;
     uint32_t waited = 0u;
     bool readmitted_y1 = false;
@@ -541,7 +541,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
     bool isolated_y2 = false;
     bool isolated_y3 = false;
     bool isolated_y4 = false;
-    bool value = false;
+    bool enough = false;
     if (!calm) {
         const bool good_y1 = (complete_part & 0x00000001u) == 0u;
         const uint32_t excluded_y1 = state->excluded_y1;
@@ -654,7 +654,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
                 waited = suspect_y1_choice;
             }
             agrees = suspect_y1_test;
-            agreeing = suspect_y1_test_2;
+            decided = suspect_y1_test_2;
         } else {
             const uint32_t stuck_0 = state->stuck_0;
             const bool suspect_y1_test_3 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
@@ -695,7 +695,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
             readmitted_y3 = suspect_y1_test_5;
             readmitted_y4 = suspect_y1_test_6;
             doubted = suspect_y1_change;
-            value = missing_at_most_1;
+            enough = missing_at_most_1;
         }
         whole = suspect_y1_if_not_calm;
     }
@@ -715,9 +715,9 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
         .suspect_y2 = suspect_y2, .suspect_y3 = suspect_y3, .suspect_y4 = suspect_y4,
         .gaps_sufficient = (ready != 0u) && gaps_sufficient_if_ready, .whole = whole, .agrees = agrees,
         .repeats_y1 = repeats_y1, .repeats_y2 = repeats_y2, .repeats_y3 = repeats_y3, .repeats_y4 = repeats_y4,
-        .agreeing = agreeing, .isolated_y1 = isolated_y1, .readmitted_y1 = readmitted_y1,
-        .readmitted_y2 = readmitted_y2, .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4,
-        .isolated_y2 = isolated_y2, .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4, .value = value};
+        .decided = decided, .isolated_y1 = isolated_y1, .readmitted_y1 = readmitted_y1, .readmitted_y2 = readmitted_y2,
+        .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4, .isolated_y2 = isolated_y2,
+        .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4, .enough = enough};
 }
 
 typedef struct {
@@ -727,13 +727,13 @@ typedef struct {
 
 /* redundancy: parity, innovations, frozen codes */
 MAGLEV_5DOF_LARGE maglev_5dof_redundancy_update_t maglev_5dof_redundancy_update(maglev_5dof_redundancy_state_t *state,
-    bool calm, bool z_trusted, bool x_trusted, bool whole, bool agrees, bool agreeing, uint32_t waited,
-    bool regular_choice, uint32_t doubted, float y1_accepted, uint32_t still_y1_next, bool isolated_y1,
-    bool readmitted_y1, float y2_accepted, uint32_t still_y2_next, bool isolated_y2, bool readmitted_y2,
-    float y3_accepted, uint32_t still_y3_next, bool isolated_y3, bool readmitted_y3, float y4_accepted,
-    uint32_t still_y4_next, bool isolated_y4, bool readmitted_y4, bool repeats_y1, bool repeats_y2, bool repeats_y3,
-    bool repeats_y4, uint32_t z_suspect, uint32_t x_suspect, bool suspect_y4, bool suspect_y3, bool suspect_y2,
-    bool suspect_y1, maglev_5dof_diagnostics_t *diagnostics)
+    bool calm, bool z_trusted, bool x_trusted, bool whole, bool agrees, bool decided, uint32_t waited, bool enough,
+    uint32_t doubted, float y1_accepted, uint32_t still_y1_next, bool isolated_y1, bool readmitted_y1,
+    float y2_accepted, uint32_t still_y2_next, bool isolated_y2, bool readmitted_y2, float y3_accepted,
+    uint32_t still_y3_next, bool isolated_y3, bool readmitted_y3, float y4_accepted, uint32_t still_y4_next,
+    bool isolated_y4, bool readmitted_y4, bool repeats_y1, bool repeats_y2, bool repeats_y3, bool repeats_y4,
+    uint32_t z_suspect, uint32_t x_suspect, bool suspect_y4, bool suspect_y3, bool suspect_y2, bool suspect_y1,
+    maglev_5dof_diagnostics_t *diagnostics)
 {
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
     static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
@@ -752,7 +752,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_update_t maglev_5dof_redundancy_update(
         bool determined;
         if (whole) {
             if (agrees) {
-                determined = agreeing;
+                determined = decided;
                 state->contradictions_0 = 0u;
             } else {
                 determined = waited == 0u;
@@ -782,7 +782,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_update_t maglev_5dof_redundancy_update(
                 state->undecided_0 = waited;
             }
         } else {
-            determined = regular_choice && (doubted == 0u);
+            determined = enough && (doubted == 0u);
             state->excluded_y1 = maglev_5dof_flag((excluded_y1 != 0u) && !readmitted_y1);
             state->excluded_y2 = maglev_5dof_flag((excluded_y2 != 0u) && !readmitted_y2);
             state->excluded_y3 = maglev_5dof_flag((excluded_y3 != 0u) && !readmitted_y3);
@@ -1167,11 +1167,12 @@ typedef struct {
 
 /* landing: ramps and state feedback
  * No integrator takes part, so nothing winds up: the disturbance of the observer does its work.
- *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
- *         (observer_theta_v + observer_theta_beta * (theta - observer_theta_q))) if guard_ready is set,
- *         else 0
- *     w_theta = -((pole_theta if theta_measured is set, else predicted_pole_theta)^2 * theta_estimate +
- *         damping_theta + theta_disturbance) if landing_next is set, else w_theta_tracking
+ *     waiting = not regular and guard_ready
+ *     levelling_pole_theta = pole_theta if theta_measured is set, else predicted_pole_theta
+ *     damping_theta = 2 * (levelling_pole_theta * (observer_theta_v + observer_theta_beta * (theta -
+ *         observer_theta_q))) if guard_ready is set, else 0
+ *     w_theta = -(levelling_pole_theta^2 * theta_estimate + damping_theta + theta_disturbance) if
+ *         landing_next is set, else w_theta_tracking
  *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
  *     ramp_rate_next_y = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
  *         acceleration_step_y)
@@ -1183,9 +1184,9 @@ typedef struct {
  *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
  *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
  *         w_x_tracking; likewise w_z_unprobed
- *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
- *         else (left if landing_patience <= left, else left + 1)
- *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
+ *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if waiting, else (left if
+ *         landing_patience <= left, else left + 1)
+ *     landing_next = 1 if waiting and left <= good_per_bad, else landing
  *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if landing
  *         is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
  *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), 0.5) if landing is set, else
@@ -1244,13 +1245,12 @@ MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_
     float w_x_unprobed = w_x_tracking;
     float w_z_unprobed = w_z_tracking;
     if (landing_2 != 0u) {
-        const float levelling_pole_w_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
+        const float levelling_pole_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
         float damping_theta = 0.0f;
         if (ready != 0u) {
-            damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
+            damping_theta = 2.0f * (levelling_pole_theta * theta_rate_if_ready);
         }
-        w_theta = -((levelling_pole_w_theta * levelling_pole_w_theta * theta_estimate) + damping_theta +
-            theta_disturbance);
+        w_theta = -((levelling_pole_theta * levelling_pole_theta * theta_estimate) + damping_theta + theta_disturbance);
         const float y_estimate_min_ramp_end = maglev_5dof_min(y_estimate, ramp_end);
         float ramp_y = y_estimate_min_ramp_end;
         float ramp_rate_y = y_rate;
@@ -1417,44 +1417,44 @@ MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(float y1_held,
     static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
     static const float M_z = 8.6f;                              /* kg; Table I */
 
-    const float slot_effect_y1_held = slot_pull / (y1_held + gap_offset);
-    const float thrust_per_ampere_1_argument = slot_effect_y1_held - 4.196167e-05f;
+    const float thrust_per_ampere_1_quotient = slot_pull / (y1_held + gap_offset);
+    const float thrust_per_ampere_1_argument = thrust_per_ampere_1_quotient - 4.196167e-05f;
     const float thrust_per_ampere_1 = thrust_per_ampere_polynomial(thrust_per_ampere_1_argument);
     const float half_a_over_h2_1 = half_a_over_h2_polynomial(thrust_per_ampere_1_argument);
     const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
     const float half_a_1 = thrust_per_ampere_1_squared * half_a_over_h2_1;
-    const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
+    const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + thrust_per_ampere_1_quotient);
     const float u_z_before_squared = u_z_before * u_z_before;
     const float half_load_1 = half_a_1 + (half_c_1 * (u_z_before_squared + (i_d1_before * i_d1_before)));
     const float inverse_b_1 = 1.0f / sqrtf(thrust_per_ampere_1_squared + (discriminant_factor * (half_a_1 * half_c_1)));
-    const float slot_effect_y2_held = slot_pull / (y2_held + gap_offset);
-    const float thrust_per_ampere_2_argument = 16384.0f * (slot_effect_y2_held - 3.4332275e-05f);
+    const float thrust_per_ampere_2_quotient = slot_pull / (y2_held + gap_offset);
+    const float thrust_per_ampere_2_argument = 16384.0f * (thrust_per_ampere_2_quotient - 3.4332275e-05f);
     const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
     const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
     const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
     const float half_a_2 = thrust_per_ampere_2_squared * half_a_over_h2_2;
-    const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
+    const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + thrust_per_ampere_2_quotient);
     const float u_x_before_squared = u_x_before * u_x_before;
     const float half_load_2 = half_a_2 + (half_c_2 * (u_x_before_squared + (i_d2_before * i_d2_before)));
     const float inverse_b_2 = 1.0f / sqrtf(thrust_per_ampere_2_squared + (discriminant_factor * (half_a_2 * half_c_2)));
-    const float slot_effect_y3_held = slot_pull / (y3_held + gap_offset);
-    const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
+    const float thrust_per_ampere_3_quotient = slot_pull / (y3_held + gap_offset);
+    const float thrust_per_ampere_3_argument = thrust_per_ampere_3_quotient - 4.196167e-05f;
     const float thrust_per_ampere_3 = thrust_per_ampere_polynomial(thrust_per_ampere_3_argument);
     const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
     const float half_a_over_h2_3 = half_a_over_h2_polynomial(thrust_per_ampere_3_argument);
     const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
     const float half_a_3 = thrust_per_ampere_3_squared * half_a_over_h2_3;
-    const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
+    const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + thrust_per_ampere_3_quotient);
     const float half_load_3 = half_a_3 + (half_c_3 * (u_z_before_squared + (i_d3_before * i_d3_before)));
     const float inverse_b_3 = 1.0f / sqrtf(thrust_per_ampere_3_squared + (discriminant_factor * (half_a_3 * half_c_3)));
-    const float slot_effect_y4_held = slot_pull / (y4_held + gap_offset);
-    const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
+    const float thrust_per_ampere_4_quotient = slot_pull / (y4_held + gap_offset);
+    const float thrust_per_ampere_4_argument = 16384.0f * (thrust_per_ampere_4_quotient - 3.4332275e-05f);
     const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
     const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
     const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_4_argument);
     const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
     const float half_a_4 = thrust_per_ampere_4_squared * half_a_over_h2_4;
-    const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
+    const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_quotient);
     const float half_load_4 = half_a_4 + (half_c_4 * (u_x_before_squared + (i_d4_before * i_d4_before)));
     const float inverse_b_4 = 1.0f / sqrtf(thrust_per_ampere_4_squared + (discriminant_factor * (half_a_4 * half_c_4)));
     const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
@@ -1778,8 +1778,8 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
             z_monitor_output.far, z_monitor_output.same, z_monitor_output.believed, z_monitor_output.before_next);
         const maglev_5dof_redundancy_update_t redundancy_update = maglev_5dof_redundancy_update(&state->redundancy,
             redundancy_output_2.calm, z_monitor_output.trusted, x_monitor_output.trusted, redundancy_output_2.whole,
-            redundancy_output_2.agrees, redundancy_output_2.agreeing, redundancy_output_2.waited,
-            redundancy_output_2.value, redundancy_output_2.doubted, accepted.y1, redundancy_output.still_y1_next,
+            redundancy_output_2.agrees, redundancy_output_2.decided, redundancy_output_2.waited,
+            redundancy_output_2.enough, redundancy_output_2.doubted, accepted.y1, redundancy_output.still_y1_next,
             redundancy_output_2.isolated_y1, redundancy_output_2.readmitted_y1, accepted.y2,
             redundancy_output.still_y2_next, redundancy_output_2.isolated_y2, redundancy_output_2.readmitted_y2,
             accepted.y3, redundancy_output.still_y3_next, redundancy_output_2.isolated_y3,

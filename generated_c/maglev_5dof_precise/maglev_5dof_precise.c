@@ -479,7 +479,7 @@ typedef struct {
     bool repeats_y2;
     bool repeats_y3;
     bool repeats_y4;
-    bool agreeing;
+    bool decided;
     bool isolated_y1;
     bool readmitted_y1;
     bool readmitted_y2;
@@ -488,7 +488,7 @@ typedef struct {
     bool isolated_y2;
     bool isolated_y3;
     bool isolated_y4;
-    bool value;
+    bool enough;
 } maglev_5dof_precise_redundancy_output_2_t;
 
 /* redundancy: parity, innovations, frozen codes */
@@ -538,7 +538,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
     bool repeats_y2 = false;
     bool repeats_y3 = false;
     bool repeats_y4 = false;
-    bool agreeing = false;
+    bool decided = false;
     bool isolated_y1 = false;
     uint32_t waited = 0u;
     bool readmitted_y1 = false;
@@ -549,7 +549,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
     bool isolated_y2 = false;
     bool isolated_y3 = false;
     bool isolated_y4 = false;
-    bool value = false;
+    bool enough = false;
     if (!calm) {
         const bool good_y1 = (complete_part & 0x00000001u) == 0u;
         const uint32_t excluded_y1 = state->excluded_y1;
@@ -663,7 +663,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
                 waited = suspect_y1_choice;
             }
             agrees = suspect_y1_test;
-            agreeing = suspect_y1_test_2;
+            decided = suspect_y1_test_2;
         } else {
             const uint32_t stuck_0 = state->stuck_0;
             const bool suspect_y1_test_3 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
@@ -705,7 +705,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
             readmitted_y3 = suspect_y1_test_5;
             readmitted_y4 = suspect_y1_test_6;
             doubted = suspect_y1_change;
-            value = missing_at_most_1;
+            enough = missing_at_most_1;
         }
         whole = suspect_y1_if_not_calm;
     }
@@ -725,9 +725,9 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
         .suspect_y2 = suspect_y2, .suspect_y3 = suspect_y3, .suspect_y4 = suspect_y4,
         .gaps_sufficient = (ready != 0u) && gaps_sufficient_if_ready, .whole = whole, .agrees = agrees,
         .repeats_y1 = repeats_y1, .repeats_y2 = repeats_y2, .repeats_y3 = repeats_y3, .repeats_y4 = repeats_y4,
-        .agreeing = agreeing, .isolated_y1 = isolated_y1, .readmitted_y1 = readmitted_y1,
-        .readmitted_y2 = readmitted_y2, .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4,
-        .isolated_y2 = isolated_y2, .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4, .value = value};
+        .decided = decided, .isolated_y1 = isolated_y1, .readmitted_y1 = readmitted_y1, .readmitted_y2 = readmitted_y2,
+        .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4, .isolated_y2 = isolated_y2,
+        .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4, .enough = enough};
 }
 
 typedef struct {
@@ -737,10 +737,10 @@ typedef struct {
 
 /* redundancy: parity, innovations, frozen codes */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
-    maglev_5dof_precise_redundancy_update(maglev_5dof_precise_redundancy_state_t *state, bool calm, bool z_trusted,
-    bool x_trusted, bool whole, bool agrees, bool agreeing, uint32_t waited, bool regular_choice, uint32_t doubted,
-    float y1_accepted, uint32_t still_y1_next, bool isolated_y1, bool readmitted_y1, float y2_accepted, uint32_t
-    still_y2_next, bool isolated_y2, bool readmitted_y2, float y3_accepted, uint32_t still_y3_next, bool isolated_y3,
+    maglev_5dof_precise_redundancy_update(maglev_5dof_precise_redundancy_state_t *state, bool calm, bool z_trusted, bool
+    x_trusted, bool whole, bool agrees, bool decided, uint32_t waited, bool enough, uint32_t doubted, float y1_accepted,
+    uint32_t still_y1_next, bool isolated_y1, bool readmitted_y1, float y2_accepted, uint32_t still_y2_next,
+    bool isolated_y2, bool readmitted_y2, float y3_accepted, uint32_t still_y3_next, bool isolated_y3,
     bool readmitted_y3, float y4_accepted, uint32_t still_y4_next, bool isolated_y4, bool readmitted_y4,
     bool repeats_y1, bool repeats_y2, bool repeats_y3, bool repeats_y4, uint32_t z_suspect, uint32_t x_suspect,
     bool suspect_y4, bool suspect_y3, bool suspect_y2, bool suspect_y1, maglev_5dof_precise_diagnostics_t *diagnostics)
@@ -762,7 +762,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
         bool determined;
         if (whole) {
             if (agrees) {
-                determined = agreeing;
+                determined = decided;
                 state->contradictions_0 = 0u;
             } else {
                 determined = waited == 0u;
@@ -792,7 +792,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
                 state->undecided_0 = waited;
             }
         } else {
-            determined = regular_choice && (doubted == 0u);
+            determined = enough && (doubted == 0u);
             state->excluded_y1 = maglev_5dof_precise_flag((excluded_y1 != 0u) && !readmitted_y1);
             state->excluded_y2 = maglev_5dof_precise_flag((excluded_y2 != 0u) && !readmitted_y2);
             state->excluded_y3 = maglev_5dof_precise_flag((excluded_y3 != 0u) && !readmitted_y3);
@@ -1312,11 +1312,12 @@ typedef struct {
 
 /* landing: ramps and state feedback
  * No integrator takes part, so nothing winds up: the disturbance of the observer does its work.
- *     damping_theta = 2 * ((pole_theta if theta_measured is set, else predicted_pole_theta) *
- *         (observer_theta_v + observer_theta_beta * (theta - observer_theta_q))) if guard_ready is set,
- *         else 0
- *     w_theta = -((pole_theta if theta_measured is set, else predicted_pole_theta)^2 * theta_estimate +
- *         damping_theta + theta_disturbance) if landing_next is set, else w_theta_tracking
+ *     waiting = not regular and guard_ready
+ *     levelling_pole_theta = pole_theta if theta_measured is set, else predicted_pole_theta
+ *     damping_theta = 2 * (levelling_pole_theta * (observer_theta_v + observer_theta_beta * (theta -
+ *         observer_theta_q))) if guard_ready is set, else 0
+ *     w_theta = -(levelling_pole_theta^2 * theta_estimate + damping_theta + theta_disturbance) if
+ *         landing_next is set, else w_theta_tracking
  *     ramp_rate_next_x = max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step);
  *         likewise ramp_rate_next_z
  *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
@@ -1328,9 +1329,9 @@ typedef struct {
  *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
  *         (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance if landing_next is set, else
  *         w_y_tracking
- *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if not regular and guard_ready,
- *         else (left if landing_patience <= left, else left + 1)
- *     landing_next = 1 if not regular and guard_ready and left <= good_per_bad, else landing
+ *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if waiting, else (left if
+ *         landing_patience <= left, else left + 1)
+ *     landing_next = 1 if waiting and left <= good_per_bad, else landing
  *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -bound) if
  *         landing is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
  *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), bound) if landing is set, else
@@ -1391,13 +1392,12 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_landing_t
     float w_y = w_y_tracking;
     float w_z_unprobed = w_z_tracking;
     if (landing_2 != 0u) {
-        const float levelling_pole_w_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
+        const float levelling_pole_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
         float damping_theta = 0.0f;
         if (ready != 0u) {
-            damping_theta = 2.0f * (levelling_pole_w_theta * theta_rate_if_ready);
+            damping_theta = 2.0f * (levelling_pole_theta * theta_rate_if_ready);
         }
-        w_theta = -((levelling_pole_w_theta * levelling_pole_w_theta * theta_estimate) + damping_theta +
-            theta_disturbance);
+        w_theta = -((levelling_pole_theta * levelling_pole_theta * theta_estimate) + damping_theta + theta_disturbance);
         const float y_estimate_min_ramp_end = maglev_5dof_precise_min(y_estimate, ramp_end);
         float ramp_x = x_estimate;
         float ramp_rate_x;
@@ -1567,17 +1567,17 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_inversion_t maglev_5dof_precise_in
     const float tilts_3 = r * phi_fast_ahead;
     const float thrust_per_ampere_1_sum = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_3,
         highest_y1_held), lowest_y1_held) + gap_offset;
-    const float slot_effect_y1_held = slot_pull / thrust_per_ampere_1_sum;
-    const float thrust_per_ampere_1_argument = slot_effect_y1_held - 4.196167e-05f;
+    const float thrust_per_ampere_1_quotient = slot_pull / thrust_per_ampere_1_sum;
+    const float thrust_per_ampere_1_argument = thrust_per_ampere_1_quotient - 4.196167e-05f;
     const float thrust_per_ampere_1 = thrust_per_ampere_polynomial(thrust_per_ampere_1_argument);
     const float thrust_per_ampere_1_squared = thrust_per_ampere_1 * thrust_per_ampere_1;
     const float half_a_over_h2_1 = half_a_over_h2_polynomial(thrust_per_ampere_1_argument);
     const float motors_1_half_a = thrust_per_ampere_1_squared * half_a_over_h2_1;
-    const float motors_1_half_c = thrust_per_ampere_1_squared * (half_c_over_h2 + slot_effect_y1_held);
+    const float motors_1_half_c = thrust_per_ampere_1_squared * (half_c_over_h2 + thrust_per_ampere_1_quotient);
     const float thrust_per_ampere_3_sum = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_3,
         highest_y1_held), lowest_y1_held) + gap_offset;
-    const float slot_effect_y3_held = slot_pull / thrust_per_ampere_3_sum;
-    const float thrust_per_ampere_3_argument = slot_effect_y3_held - 4.196167e-05f;
+    const float thrust_per_ampere_3_quotient = slot_pull / thrust_per_ampere_3_sum;
+    const float thrust_per_ampere_3_argument = thrust_per_ampere_3_quotient - 4.196167e-05f;
     const float thrust_per_ampere_3 = thrust_per_ampere_polynomial(thrust_per_ampere_3_argument);
     const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
     const float u_z_demand = -M_z * w_z / h_z;
@@ -1587,17 +1587,17 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_inversion_t maglev_5dof_precise_in
     const float tilts_2 = r * theta_fast_ahead;
     const float thrust_per_ampere_2_sum = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead + tilts_2,
         highest_y2_held), lowest_y2_held) + gap_offset;
-    const float slot_effect_y2_held = slot_pull / thrust_per_ampere_2_sum;
-    const float thrust_per_ampere_2_argument = 16384.0f * (slot_effect_y2_held - 3.4332275e-05f);
+    const float thrust_per_ampere_2_quotient = slot_pull / thrust_per_ampere_2_sum;
+    const float thrust_per_ampere_2_argument = 16384.0f * (thrust_per_ampere_2_quotient - 3.4332275e-05f);
     const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
     const float thrust_per_ampere_2_squared = thrust_per_ampere_2 * thrust_per_ampere_2;
     const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
     const float motors_2_half_a = thrust_per_ampere_2_squared * half_a_over_h2_2;
-    const float motors_2_half_c = thrust_per_ampere_2_squared * (half_c_over_h2 + slot_effect_y2_held);
+    const float motors_2_half_c = thrust_per_ampere_2_squared * (half_c_over_h2 + thrust_per_ampere_2_quotient);
     const float thrust_per_ampere_4_sum = maglev_5dof_precise_max(maglev_5dof_precise_min(y_fast_ahead - tilts_2,
         highest_y2_held), lowest_y2_held) + gap_offset;
-    const float slot_effect_y4_held = slot_pull / thrust_per_ampere_4_sum;
-    const float thrust_per_ampere_4_argument = 16384.0f * (slot_effect_y4_held - 3.4332275e-05f);
+    const float thrust_per_ampere_4_quotient = slot_pull / thrust_per_ampere_4_sum;
+    const float thrust_per_ampere_4_argument = 16384.0f * (thrust_per_ampere_4_quotient - 3.4332275e-05f);
     const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
     const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
     const float u_x_demand = -M_x * w_x / h_x;
@@ -1607,12 +1607,12 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_inversion_t maglev_5dof_precise_in
     const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
     const float half_a_over_h2_3 = half_a_over_h2_polynomial(thrust_per_ampere_3_argument);
     const float motors_3_half_a = thrust_per_ampere_3_squared * half_a_over_h2_3;
-    const float motors_3_half_c = thrust_per_ampere_3_squared * (half_c_over_h2 + slot_effect_y3_held);
+    const float motors_3_half_c = thrust_per_ampere_3_squared * (half_c_over_h2 + thrust_per_ampere_3_quotient);
     const float half_3 = motors_3_half_a + (motors_3_half_c * i_q_1_3_squared);
     const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
     const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_4_argument);
     const float motors_4_half_a = thrust_per_ampere_4_squared * half_a_over_h2_4;
-    const float motors_4_half_c = thrust_per_ampere_4_squared * (half_c_over_h2 + slot_effect_y4_held);
+    const float motors_4_half_c = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_quotient);
     const float half_4 = motors_4_half_a + (motors_4_half_c * i_q_2_4_squared);
     const float half_force = (half_M_y * (w_y - G)) + (half_1 + half_2 + half_3 + half_4);
     const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi_fast_ahead))) + (half_3 - half_1);
@@ -1967,7 +1967,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
         const maglev_5dof_precise_redundancy_update_t redundancy_update =
             maglev_5dof_precise_redundancy_update(&state->redundancy, redundancy_output_2.calm,
             z_monitor_output.trusted, x_monitor_output.trusted, redundancy_output_2.whole, redundancy_output_2.agrees,
-            redundancy_output_2.agreeing, redundancy_output_2.waited, redundancy_output_2.value,
+            redundancy_output_2.decided, redundancy_output_2.waited, redundancy_output_2.enough,
             redundancy_output_2.doubted, accepted.y1, redundancy_output.still_y1_next, redundancy_output_2.isolated_y1,
             redundancy_output_2.readmitted_y1, accepted.y2, redundancy_output.still_y2_next,
             redundancy_output_2.isolated_y2, redundancy_output_2.readmitted_y2, accepted.y3,

@@ -85,34 +85,34 @@ MAGLEV_5DOF_PRECISE_PHASE_INLINE maglev_5dof_precise_phase_advance_t
     static const uint32_t patience = 5u;                        /* 1; bad samples until a position is lost */
 
     const uint32_t left_x = state->left_x;
-    float last_x_choice = x_held;
+    float last_x = x_held;
     uint32_t left_x_if_not_good_x = 0u;
     if (1u <= left_x) {
-        last_x_choice = state->last_x;
+        last_x = state->last_x;
         left_x_if_not_good_x = left_x - 1u;
     }
-    const float last_x_next = maglev_5dof_precise_phase_slew(last_x_choice, x_held, largest_move);
-    state->last_x = last_x_next;
+    const float position_x = maglev_5dof_precise_phase_slew(last_x, x_held, largest_move);
+    state->last_x = position_x;
     const uint32_t left_z = state->left_z;
-    float last = z_held;
+    float last_z = z_held;
     uint32_t left_z_if_not_good_z = 0u;
     if (1u <= left_z) {
-        last = state->last_z;
+        last_z = state->last_z;
         left_z_if_not_good_z = left_z - 1u;
     }
-    const float position = maglev_5dof_precise_phase_slew(last, z_held, largest_move);
-    state->last_z = position;
+    const float position_z = maglev_5dof_precise_phase_slew(last_z, z_held, largest_move);
+    state->last_z = position_z;
     state->left_x = (good_x) ? patience : left_x_if_not_good_x;
     state->left_z = (good_z) ? patience : left_z_if_not_good_z;
     if (diagnostics != NULL) {
-        diagnostics->x_acting = last_x_next + (samples_ahead * (last_x_next - last_x_choice));
+        diagnostics->x_acting = position_x + (samples_ahead * (position_x - last_x));
         diagnostics->lost_x = ((good_x) ? false : (left_x <= 1u)) ? 1.0f : 0.0f;
-        diagnostics->z_acting = position + (samples_ahead * (position - last));
+        diagnostics->z_acting = position_z + (samples_ahead * (position_z - last_z));
         diagnostics->lost_z = ((good_z) ? false : (left_z <= 1u)) ? 1.0f : 0.0f;
     }
-    return (maglev_5dof_precise_phase_advance_t){.x_acting = last_x_next +
-        (samples_ahead * (last_x_next - last_x_choice)), .z_acting = position + (samples_ahead * (position - last)),
-        .lost_x = (good_x) ? false : (left_x <= 1u), .lost_z = (good_z) ? false : (left_z <= 1u)};
+    return (maglev_5dof_precise_phase_advance_t){.x_acting = position_x + (samples_ahead * (position_x - last_x)),
+        .z_acting = position_z + (samples_ahead * (position_z - last_z)), .lost_x = (good_x) ? false : (left_x <= 1u),
+        .lost_z = (good_z) ? false : (left_z <= 1u)};
 }
 
 typedef struct {
@@ -173,20 +173,20 @@ MAGLEV_5DOF_PRECISE_PHASE_LARGE maglev_5dof_precise_phase_commutation_t
     const bool unknown_at_least_1 = 1u <= unknown;
     const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
     const float h_z = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
-    const float turned_sine = h_z * (four_root_2 - (eight_root_2 * quarter_sine_z_squared));
-    const float turned_cosine = root_2 - (eight_root_2 * (h_z * h_z));
+    const float wave_z_cosine = h_z * (four_root_2 - (eight_root_2 * quarter_sine_z_squared));
+    const float wave_z_sine = root_2 - (eight_root_2 * (h_z * h_z));
     const float quarter_sine_x_squared = quarter_sine_x * quarter_sine_x;
     const float h_x = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
-    const float waves_x_cosine_i_a2 = h_x * (four_root_2 - (eight_root_2 * quarter_sine_x_squared));
-    const float waves_x_sine_i_a2 = root_2 - (eight_root_2 * (h_x * h_x));
-    float cosine_z_i_a1 = i_d1_held;
-    float waves_z_cosine = turned_sine;
-    float waves_z_sine = turned_cosine;
-    float cosine_x_i_a2 = i_d2_held;
-    float waves_x_cosine_i_a2_2 = waves_x_cosine_i_a2;
-    float waves_x_sine_i_a2_2 = waves_x_sine_i_a2;
-    float cosine_z_i_a3 = i_d3_held;
-    float cosine_x_i_a4 = i_d4_held;
+    const float wave_x_cosine = h_x * (four_root_2 - (eight_root_2 * quarter_sine_x_squared));
+    const float wave_x_sine = root_2 - (eight_root_2 * (h_x * h_x));
+    float direct_1 = i_d1_held;
+    float kept_z_cosine = wave_z_cosine;
+    float kept_z_sine = wave_z_sine;
+    float direct_2 = i_d2_held;
+    float kept_x_cosine = wave_x_cosine;
+    float kept_x_sine = wave_x_sine;
+    float direct_3 = i_d3_held;
+    float direct_4 = i_d4_held;
     if (lost_x || lost_z || (0.0f < fabsf(transfer)) || unknown_at_least_1) {
         float target = transfer;
         if (lost_x && lost_z) {
@@ -206,60 +206,59 @@ MAGLEV_5DOF_PRECISE_PHASE_LARGE maglev_5dof_precise_phase_commutation_t
         const float part = fabsf(transfer_2);
         const float part_x = (of_x) ? part : 0.0f;
         const float handed_z = 0.5f * (part_x * (i_d2_held + i_d4_held));
-        cosine_z_i_a1 = maglev_5dof_precise_phase_limit(i_d1_held + handed_z, current_limit - fabsf(i_q1_held));
+        direct_1 = maglev_5dof_precise_phase_limit(i_d1_held + handed_z, current_limit - fabsf(i_q1_held));
         const float whole = maglev_5dof_precise_phase_min(fade_step * (105.0f - (float)unknown), 1.0f);
         const float part_z = (of_x) ? 0.0f : part;
         const float share_z = whole * (1.0f - part_z);
-        waves_z_cosine = share_z * turned_sine;
-        waves_z_sine = share_z * turned_cosine;
+        kept_z_cosine = share_z * wave_z_cosine;
+        kept_z_sine = share_z * wave_z_sine;
         const float handed_x = 0.5f * (part_z * (i_d1_held + i_d3_held));
-        cosine_x_i_a2 = maglev_5dof_precise_phase_limit(i_d2_held + handed_x, current_limit - fabsf(i_q2_held));
+        direct_2 = maglev_5dof_precise_phase_limit(i_d2_held + handed_x, current_limit - fabsf(i_q2_held));
         const float share_x = whole * (1.0f - part_x);
-        waves_x_cosine_i_a2_2 = share_x * waves_x_cosine_i_a2;
-        waves_x_sine_i_a2_2 = share_x * waves_x_sine_i_a2;
-        cosine_z_i_a3 = maglev_5dof_precise_phase_limit(i_d3_held + handed_z, current_limit - fabsf(i_q3_held));
-        cosine_x_i_a4 = maglev_5dof_precise_phase_limit(i_d4_held + handed_x, current_limit - fabsf(i_q4_held));
+        kept_x_cosine = share_x * wave_x_cosine;
+        kept_x_sine = share_x * wave_x_sine;
+        direct_3 = maglev_5dof_precise_phase_limit(i_d3_held + handed_z, current_limit - fabsf(i_q3_held));
+        direct_4 = maglev_5dof_precise_phase_limit(i_d4_held + handed_x, current_limit - fabsf(i_q4_held));
         state->transfer = transfer_2;
     } else {
         state->transfer = 0.0f;
         state->unknown = 0u;
     }
-    const float cosine_z_i_a1_2 = (cosine_z_i_a1 * waves_z_cosine) - (i_q1_held * waves_z_sine);
-    const float i_a1 = cosine_z_i_a1_2;
+    const float current_1_cosine = (direct_1 * kept_z_cosine) - (i_q1_held * kept_z_sine);
+    const float i_a1 = current_1_cosine;
     /*@ admit -9.900485f <= i_a1 <= 9.900485f; */
-    const float other_z = half_root_3 * ((i_q1_held * waves_z_cosine) + (cosine_z_i_a1 * waves_z_sine));
-    const float half_z = 0.5f * cosine_z_i_a1_2;
-    const float i_b1 = other_z - half_z;
+    const float other_1 = half_root_3 * ((i_q1_held * kept_z_cosine) + (direct_1 * kept_z_sine));
+    const float half_1 = 0.5f * current_1_cosine;
+    const float i_b1 = other_1 - half_1;
     /*@ admit -9.900485f <= i_b1 <= 9.900485f; */
-    const float i_c1 = -(half_z + other_z);
+    const float i_c1 = -(half_1 + other_1);
     /*@ admit -9.900485f <= i_c1 <= 9.900485f; */
-    const float cosine_x_i_a2_2 = (cosine_x_i_a2 * waves_x_cosine_i_a2_2) - (i_q2_held * waves_x_sine_i_a2_2);
-    const float i_a2 = cosine_x_i_a2_2;
+    const float current_2_cosine = (direct_2 * kept_x_cosine) - (i_q2_held * kept_x_sine);
+    const float i_a2 = current_2_cosine;
     /*@ admit -9.900485f <= i_a2 <= 9.900485f; */
-    const float other_x = half_root_3 * ((i_q2_held * waves_x_cosine_i_a2_2) + (cosine_x_i_a2 * waves_x_sine_i_a2_2));
-    const float half_x = 0.5f * cosine_x_i_a2_2;
-    const float i_b2 = other_x - half_x;
+    const float other_2 = half_root_3 * ((i_q2_held * kept_x_cosine) + (direct_2 * kept_x_sine));
+    const float half_2 = 0.5f * current_2_cosine;
+    const float i_b2 = other_2 - half_2;
     /*@ admit -9.900485f <= i_b2 <= 9.900485f; */
-    const float i_c2 = -(half_x + other_x);
+    const float i_c2 = -(half_2 + other_2);
     /*@ admit -9.900485f <= i_c2 <= 9.900485f; */
-    const float cosine_z_i_a3_2 = (cosine_z_i_a3 * waves_z_cosine) - (i_q3_held * waves_z_sine);
-    const float i_a3 = cosine_z_i_a3_2;
+    const float current_3_cosine = (direct_3 * kept_z_cosine) - (i_q3_held * kept_z_sine);
+    const float i_a3 = current_3_cosine;
     /*@ admit -9.900485f <= i_a3 <= 9.900485f; */
-    const float i_b3_product = half_root_3 * ((i_q3_held * waves_z_cosine) + (cosine_z_i_a3 * waves_z_sine));
-    const float half_cosine_z_i_a3_2 = 0.5f * cosine_z_i_a3_2;
-    const float i_b3 = i_b3_product - half_cosine_z_i_a3_2;
+    const float other_3 = half_root_3 * ((i_q3_held * kept_z_cosine) + (direct_3 * kept_z_sine));
+    const float half_3 = 0.5f * current_3_cosine;
+    const float i_b3 = other_3 - half_3;
     /*@ admit -9.900485f <= i_b3 <= 9.900485f; */
-    const float i_c3 = -(half_cosine_z_i_a3_2 + i_b3_product);
+    const float i_c3 = -(half_3 + other_3);
     /*@ admit -9.900485f <= i_c3 <= 9.900485f; */
-    const float current_cosine = (cosine_x_i_a4 * waves_x_cosine_i_a2_2) - (i_q4_held * waves_x_sine_i_a2_2);
-    const float i_a4 = current_cosine;
+    const float current_4_cosine = (direct_4 * kept_x_cosine) - (i_q4_held * kept_x_sine);
+    const float i_a4 = current_4_cosine;
     /*@ admit -9.900485f <= i_a4 <= 9.900485f; */
-    const float i_b4_product = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) +
-        (cosine_x_i_a4 * waves_x_sine_i_a2_2));
-    const float half_current_cosine = 0.5f * current_cosine;
-    const float i_b4 = i_b4_product - half_current_cosine;
+    const float other_4 = half_root_3 * ((i_q4_held * kept_x_cosine) + (direct_4 * kept_x_sine));
+    const float half_4 = 0.5f * current_4_cosine;
+    const float i_b4 = other_4 - half_4;
     /*@ admit -9.900485f <= i_b4 <= 9.900485f; */
-    const float i_c4 = -(half_current_cosine + i_b4_product);
+    const float i_c4 = -(half_4 + other_4);
     /*@ admit -9.900485f <= i_c4 <= 9.900485f; */
     return (maglev_5dof_precise_phase_commutation_t){.i_a1 = i_a1, .i_b1 = i_b1, .i_c1 = i_c1, .i_a2 = i_a2,
         .i_b2 = i_b2, .i_c2 = i_c2, .i_a3 = i_a3, .i_b3 = i_b3, .i_c3 = i_c3, .i_a4 = i_a4, .i_b4 = i_b4, .i_c4 = i_c4};

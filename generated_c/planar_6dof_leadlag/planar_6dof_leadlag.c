@@ -107,12 +107,12 @@ typedef struct {
 } planar_6dof_leadlag_guard_t;
 
 /* guard: range acceptance, hold, latch
- *     every = 0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005, else 0) if
+ *     enough = 0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005, else 0) if
  *         |d3| <= 0.0005, else 0)
  *     final = left <= 1
- *     latched = guard_latched if every is set, else (1 if final, else guard_latched)
- *     left_next = latch_samples if every is set, else (left if final, else left - 1)
- *     ready_next = 1 if every is set, else ready */
+ *     latched = guard_latched if enough is set, else (1 if final, else guard_latched)
+ *     left_next = latch_samples if enough is set, else (left if final, else left - 1)
+ *     ready_next = 1 if enough is set, else ready */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_guard_t planar_6dof_leadlag_guard(planar_6dof_leadlag_guard_state_t
     *state, uint32_t suspected, bool complete_V_cy, bool others, uint32_t latched_before)
 {
@@ -168,7 +168,8 @@ typedef struct {
  *         is_jump, else any_r_exceeds) or is_any
  *     suspect_V_cy = frozen == channel_V_cy if frozen is set, else (change_y + nearly_zero_m < size_y if
  *         is_jump, else m_exceeds_y) or is_any
- *     m_x = X_s^2 + X_c^2 - (power_0 + (X_s * X_c)^2 * (power_1 + (X_s * X_c)^2 * power_2)); likewise m_y
+ *     m_x = X_s^2 + X_c^2 - (power_0 + squared_product_x * (power_1 + squared_product_x * power_2));
+ *         likewise m_y
  *     r_1 = scale * (V_by_held - V_ay_held) - h1 * sensing_phi_raw
  *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * sensing_phi_raw */
 PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_t planar_6dof_leadlag_sensing_output(const
@@ -211,9 +212,9 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_t planar_6dof_leadl
         const bool m_exceeds_x = significant_m < size_x;
         const float size_y = fabsf(first_m_y);
         const bool m_exceeds_y = significant_m < size_y;
-        const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
-        const bool common = both_m_exceed_suspect_V_ax && (first_r_1_size <= significant_r) && (first_r_2_size <=
-            significant_r) && (fabsf(first_m_x - first_m_y) < (0.25f * fabsf(first_m_x + first_m_y)));
+        const bool both_m_exceed = m_exceeds_x && m_exceeds_y;
+        const bool common = both_m_exceed && (first_r_1_size <= significant_r) && (first_r_2_size <= significant_r) &&
+            (fabsf(first_m_x - first_m_y) < (0.25f * fabsf(first_m_x + first_m_y)));
         if (frozen != 0u) {
             suspect_V_ax = frozen == 1u;
             suspect_V_ay = frozen == channel_V_ay;
@@ -251,8 +252,8 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_t planar_6dof_leadl
                 suspect_V_by_test = any_r_exceeds;
                 suspect_V_cx_test = any_r_exceeds;
             }
-            const bool is_any = (max_known_yaw < fabsf(state->first_phi)) || (both_m_exceed_suspect_V_ax && !is_jump) ||
-                common || (first_squared <= squared_residual_limit);
+            const bool is_any = (max_known_yaw < fabsf(state->first_phi)) || (both_m_exceed && !is_jump) || common ||
+                (first_squared <= squared_residual_limit);
             suspect_V_ax = suspect_V_ax_test || is_any;
             suspect_V_ay = suspect_V_ay_test || is_any;
             suspect_V_bx = suspect_V_bx_test || is_any;
@@ -418,11 +419,12 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_2_t
         const float ratio_y = -(Y_s_times_minus_Y_c /
             (planar_6dof_leadlag_max(Y_s_squared, minus_Y_c_squared) + least_square));
         /*@ admit -1.0f <= ratio_y <= 1.0f; */
-        const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-        const float m_x = X_s_squared + X_c_squared - (power_0 + (product_m_x * (power_1 + (product_m_x * power_2))));
-        const float product_m_y = Y_s_times_minus_Y_c * Y_s_times_minus_Y_c;
+        const float squared_product_x = X_s_times_X_c * X_s_times_X_c;
+        const float m_x = X_s_squared + X_c_squared -
+            (power_0 + (squared_product_x * (power_1 + (squared_product_x * power_2))));
+        const float squared_product_y = Y_s_times_minus_Y_c * Y_s_times_minus_Y_c;
         const float m_y = Y_s_squared + minus_Y_c_squared -
-            (power_0 + (product_m_y * (power_1 + (product_m_y * power_2))));
+            (power_0 + (squared_product_y * (power_1 + (squared_product_y * power_2))));
         const float h1 = X_c + X_s - (minus_Y_c * minus_Y_c_squared * (slope_0 + (Y_s_squared * slope_1)));
         const float r_1 = (scale * (V_by_held - V_ay_held)) - (h1 * phi_raw);
         const float h2 = (X_c * X_c_squared * (slope_0 + (X_s_squared * slope_1))) + (Y_s - minus_Y_c);
@@ -539,10 +541,10 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_2_t
             } else {
                 const uint32_t watch_channel = state->watch_channel;
                 float code = V_ax_held;
-                uint32_t other = index_of_V_cy;
+                uint32_t watch_channel_next = index_of_V_cy;
                 if (1u <= watch_channel) {
                     code = (index_of_V_bx <= watch_channel) ? V_bx_held : V_ay_held;
-                    other = watch_channel - 1u;
+                    watch_channel_next = watch_channel - 1u;
                 }
                 if (index_of_V_by <= watch_channel) {
                     code = (index_of_V_cx <= watch_channel) ?
@@ -559,7 +561,7 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_2_t
                         state->watch_left = watch_left - 1u;
                     }
                 } else {
-                    state->watch_channel = other;
+                    state->watch_channel = watch_channel_next;
                     state->watch_left = between_watches;
                 }
             }
@@ -610,16 +612,16 @@ typedef struct {
 } planar_6dof_leadlag_reckoning_t;
 
 /* reckoning: alpha-beta filter, dead reckoning
- *     corrects_x_y_phi = guard_ready and measured
+ *     corrects = guard_ready and measured
  *     innovation_x = x_raw - x_position; likewise innovation_phi, innovation_y
  *     a_x = x_half_step * delay_x + x_disturbance; likewise a_y
- *     middle_x = (x_rate + x_rate_gain * innovation_x if corrects_x_y_phi, else x_rate) + a_x; likewise
- *         middle_y, middle_phi
+ *     middle_x = (x_rate + x_rate_gain * innovation_x if corrects, else x_rate) + a_x; likewise middle_y,
+ *         middle_phi
  *     a_phi = phi_half_step * delay_phi
  *     advance_phi = middle_phi + a_phi; likewise x_advance, y_advance
  *     phi_advance = advance_phi + phi_bias_gain * phi_mean
  *     x_disturbance_next = limit(x_disturbance + x_disturbance_gain * innovation_x, disturbance_limit) if
- *         corrects_x_y_phi, else x_disturbance; likewise y_disturbance_next
+ *         corrects, else x_disturbance; likewise y_disturbance_next
  *     phi_rate_next = limit(advance_phi, phi_rate_limit) */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_reckoning_t
     planar_6dof_leadlag_reckoning(planar_6dof_leadlag_reckoning_state_t *state, uint32_t ready, bool measured,
@@ -874,7 +876,7 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_braking_t planar_6dof_leadlag_bra
 
 typedef struct {
     float cos_phi_polynomial;
-    float sin_2;
+    float sin_phi;
     float i_CQ;
     float i_AQ;
     float i_BQ;
@@ -918,11 +920,11 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_allocation_t planar_6dof_leadlag_
     static const float front_share = 0.16666667f;               /* 1; b / (2 (b+c)), b = 0.0127924 m, c = 0.0255848 m */
 
     const float cos_phi_polynomial_2 = cos_phi_polynomial(cos_phi_argument);
-    const float sin_2 = phi * sin_phi_polynomial(cos_phi_argument);
-    const float i_CQ = planar_6dof_leadlag_limit((cos_phi_polynomial_2 * d_x) + (sin_2 * d_y),
+    const float sin_phi = phi * sin_phi_polynomial(cos_phi_argument);
+    const float i_CQ = planar_6dof_leadlag_limit((cos_phi_polynomial_2 * d_x) + (sin_phi * d_y),
         planar_6dof_leadlag_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
     const float yaw_current = planar_6dof_leadlag_limit(d_phi + i_CQ, quadrature_limit);
-    const float y_current = planar_6dof_leadlag_limit(0.5f * ((cos_phi_polynomial_2 * d_y) - (sin_2 * d_x)),
+    const float y_current = planar_6dof_leadlag_limit(0.5f * ((cos_phi_polynomial_2 * d_y) - (sin_phi * d_x)),
         quadrature_limit - fabsf(yaw_current));
     const float front_current = d_z - d_theta;
     const float i_AD = planar_6dof_leadlag_limit(front_current + d_psi, direct_limit);
@@ -941,8 +943,8 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_allocation_t planar_6dof_leadlag_
         diagnostics->i_AD = i_AD;
         diagnostics->i_BD = i_BD;
         diagnostics->i_CD = i_CD;
-        diagnostics->achieved_x = (cos_phi_polynomial_2 * i_CQ) - (sin_2 * y_currents);
-        diagnostics->achieved_y = (sin_2 * i_CQ) + (cos_phi_polynomial_2 * y_currents);
+        diagnostics->achieved_x = (cos_phi_polynomial_2 * i_CQ) - (sin_phi * y_currents);
+        diagnostics->achieved_y = (sin_phi * i_CQ) + (cos_phi_polynomial_2 * y_currents);
         diagnostics->achieved_phi = yaw_current - i_CQ;
         diagnostics->achieved_theta = (rear_share * i_CD) - (front_share * lifts);
         diagnostics->saturated |= (fabsf(i_CQ) >=
@@ -951,11 +953,11 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_allocation_t planar_6dof_leadlag_
         diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000010u : 0u;
         diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000020u : 0u;
     }
-    return (planar_6dof_leadlag_allocation_t){.cos_phi_polynomial = cos_phi_polynomial_2, .sin_2 = sin_2, .i_CQ = i_CQ,
-        .i_AQ = y_current - yaw_current, .i_BQ = y_current + yaw_current, .i_AD = i_AD, .i_BD = i_BD, .i_CD = i_CD,
-        .achieved_x = (cos_phi_polynomial_2 * i_CQ) - (sin_2 * y_currents), .achieved_y = (sin_2 * i_CQ) +
-        (cos_phi_polynomial_2 * y_currents), .achieved_phi = yaw_current - i_CQ, .lifts = lifts,
-        .achieved_theta = (rear_share * i_CD) - (front_share * lifts)};
+    return (planar_6dof_leadlag_allocation_t){.cos_phi_polynomial = cos_phi_polynomial_2, .sin_phi = sin_phi,
+        .i_CQ = i_CQ, .i_AQ = y_current - yaw_current, .i_BQ = y_current + yaw_current, .i_AD = i_AD, .i_BD = i_BD,
+        .i_CD = i_CD, .achieved_x = (cos_phi_polynomial_2 * i_CQ) - (sin_phi * y_currents),
+        .achieved_y = (sin_phi * i_CQ) + (cos_phi_polynomial_2 * y_currents), .achieved_phi = yaw_current - i_CQ,
+        .lifts = lifts, .achieved_theta = (rear_share * i_CD) - (front_share * lifts)};
 }
 
 /* loop_x, loop_y, loop_phi, loop_theta: lead-lag, (21); lead-lag, (22); lead-lag, (24) */
@@ -1005,13 +1007,13 @@ typedef struct {
  *     distance_rear = within_x - c * sin(phi)
  *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
  *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
- *     i_AA_computed = limit(angles_A_1 * i_AQ + minus_angles_A_2 * i_AD, 1.26)
- *     i_BA_computed = limit(angles_B_1 * i_BQ - angles_B_2 * i_BD, 1.26)
+ *     i_AA_computed = limit(cos_A * i_AQ + minus_sin_A * i_AD, 1.26)
+ *     i_BA_computed = limit(cos_B * i_BQ - sin_B * i_BD, 1.26)
  *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
  *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
-PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_commutation_t planar_6dof_leadlag_commutation(float within_x, float sin_2,
-    float within_y, float cos_phi_polynomial, float cos_phi_argument, float phi, float i_AQ, float i_AD, float i_BQ,
-    float i_BD, float i_CQ, float i_CD)
+PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_commutation_t planar_6dof_leadlag_commutation(float within_x,
+    float sin_phi, float within_y, float cos_phi_polynomial, float cos_phi_argument, float phi, float i_AQ, float i_AD,
+    float i_BQ, float i_BD, float i_CQ, float i_CD)
 {
     static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
@@ -1019,16 +1021,16 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_commutation_t planar_6dof_leadlag_
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
     static const float c = 0.025584769f; /* m; not printed: row x of Table 3 makes no torque about z */
 
-    const float distance_rear = within_x - (c * sin_2);
+    const float distance_rear = within_x - (c * sin_phi);
     const float quarter_sine_rear = distance_rear * quarter_sine_polynomial(distance_rear * distance_rear);
     const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
-    const float h_i_CA_computed = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
-    const float cos_2 = 1.0f - (8.0f * (h_i_CA_computed * h_i_CA_computed));
-    const float sin_3 = h_i_CA_computed * (4.0f - (8.0f * quarter_sine_rear_squared));
-    const float i_CA_computed = (cos_2 * i_CQ) - (sin_3 * i_CD);
+    const float h_rear = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
+    const float cos_C = 1.0f - (8.0f * (h_rear * h_rear));
+    const float sin_C = h_rear * (4.0f - (8.0f * quarter_sine_rear_squared));
+    const float i_CA_computed = (cos_C * i_CQ) - (sin_C * i_CD);
     /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
     const float middle_C = minus_half * i_CA_computed;
-    const float beta_C = half_root_3 * ((sin_3 * i_CQ) + (cos_2 * i_CD));
+    const float beta_C = half_root_3 * ((sin_C * i_CQ) + (cos_C * i_CD));
     const float i_CB_computed = middle_C + beta_C;
     /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
     const float i_CC_computed = middle_C - beta_C;
@@ -1036,31 +1038,31 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_commutation_t planar_6dof_leadlag_
     const float distance_front = within_y - ((b * cos_phi_polynomial) - quarter_pitch);
     const float quarter_sine_front = distance_front * quarter_sine_polynomial(distance_front * distance_front);
     const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
-    const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
-    const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
+    const float h_front = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
+    const float sin_front = h_front * (4.0f - (8.0f * quarter_sine_front_squared));
     const float cos_aside = cosine_polynomial(cos_phi_argument);
-    const float cc = front_1 * cos_aside;
-    const float cosine = 1.0f - (8.0f * (h_i_AA_computed * h_i_AA_computed));
+    const float cc = sin_front * cos_aside;
+    const float cos_front = 1.0f - (8.0f * (h_front * h_front));
     const float sin_aside = phi * sine_polynomial(cos_phi_argument);
-    const float cosine_times_sin_aside = cosine * sin_aside;
-    const float angles_A_1 = cc - cosine_times_sin_aside;
-    const float cosine_times_cos_aside = cosine * cos_aside;
-    const float cs = front_1 * sin_aside;
-    const float minus_angles_A_2 = cosine_times_cos_aside + cs;
-    const float i_AA_computed = (angles_A_1 * i_AQ) + (minus_angles_A_2 * i_AD);
+    const float cos_front_times_sin_aside = cos_front * sin_aside;
+    const float cos_A = cc - cos_front_times_sin_aside;
+    const float cos_front_times_cos_aside = cos_front * cos_aside;
+    const float cs = sin_front * sin_aside;
+    const float minus_sin_A = cos_front_times_cos_aside + cs;
+    const float i_AA_computed = (cos_A * i_AQ) + (minus_sin_A * i_AD);
     /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
     const float middle_A = minus_half * i_AA_computed;
-    const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (minus_angles_A_2 * i_AQ));
+    const float beta_A = half_root_3 * ((cos_A * i_AD) - (minus_sin_A * i_AQ));
     const float i_AB_computed = middle_A + beta_A;
     /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
     const float i_AC_computed = middle_A - beta_A;
     /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
-    const float angles_B_1 = cc + cosine_times_sin_aside;
-    const float angles_B_2 = cs - cosine_times_cos_aside;
-    const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
+    const float cos_B = cc + cos_front_times_sin_aside;
+    const float sin_B = cs - cos_front_times_cos_aside;
+    const float i_BA_computed = (cos_B * i_BQ) - (sin_B * i_BD);
     /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
     const float middle_B = minus_half * i_BA_computed;
-    const float beta_B = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
+    const float beta_B = half_root_3 * ((sin_B * i_BQ) + (cos_B * i_BD));
     const float i_BB_computed = middle_B + beta_B;
     /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
     const float i_BC_computed = middle_B - beta_B;
@@ -1255,7 +1257,7 @@ PLANAR_6DOF_LEADLAG_INLINE uint32_t planar_6dof_leadlag_body(planar_6dof_leadlag
         planar_6dof_leadlag_loop_z_update(&state->loop_z, allocation.lifts, allocation.i_CD);
         planar_6dof_leadlag_loop_psi_update(&state->loop_psi, allocation.i_AD, allocation.i_BD);
         const planar_6dof_leadlag_commutation_t commutation = planar_6dof_leadlag_commutation(sensing_output_2.within_x,
-            allocation.sin_2, sensing_output_2.within_y, allocation.cos_phi_polynomial, phi_squared, phi,
+            allocation.sin_phi, sensing_output_2.within_y, allocation.cos_phi_polynomial, phi_squared, phi,
             allocation.i_AQ, allocation.i_AD, allocation.i_BQ, allocation.i_BD, allocation.i_CQ, allocation.i_CD);
         out->i_AA = commutation.i_AA_computed;
         out->i_AB = commutation.i_AB_computed;

@@ -1,8 +1,9 @@
 """Localisation of a disagreement: the first signal of a law that an independent implementation of it does not have.
 
-    law        y = h(x, u), x' = f(x, u) as CasADi's graph; its nodes are outputs of Blocks and variables of their laws
+    law        y = h(x, u), x' = f(x, u) as CasADi's graph; its nodes are outputs of Blocks and labels of their laws
     witness    the same step by another program, of which the variables of its functions are known if it is in Python
 
+No reference imports the toolkit, so its variables are read while it runs; nothing but this report has their names.
 A node and a variable are the same signal where their values agree in each of SAMPLES steps. A walk from a result that
 differs towards the inputs ends at such nodes, at states and at inputs; what it passes holds the error. Slopes of the
 result along each state and input, by central differences of both programs, show a factor, a sign or a missing term.
@@ -10,7 +11,7 @@ result along each state and input, by central differences of both programs, show
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from itertools import combinations
 from types import FrameType
 from typing import Any
@@ -19,7 +20,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import intermediates, show
+from synth import show
 from synth.base import column_maps
 from synth.block import Block
 from synth.fault import Fault
@@ -32,7 +33,9 @@ MOSTLY = 0.75  # of the steps: a variable that equals a signal in so many of the
 STEP = 1e-6  # of the range: half the distance of a central difference
 SLOPE = 1e-3  # relative difference of two slopes
 LEAST_SLOPE = 1e-6  # of the largest change that any state or input makes over its range
+LIBRARIES = sys.stdlib_module_names - {"__main__"} | {"casadi", "numpy"}  # their variables hold any call's arguments
 LARGEST = float(np.finfo(np.float64).max)
+DEPTH = 3  # of containers in containers of a variable
 VARIABLES, VALUES = 5000, 9  # of a witness in Python: columns, and those of one variable, that are kept
 NAMED, RESULTS = 8, 3  # values that a sentence names, and results whose slopes are computed
 FAULTS = "fault word"
@@ -238,7 +241,7 @@ def _results(results: StepResults) -> dict[str, NDArray[np.float64]]:
 def _signals(block: Block, x: Columns, u: Columns) -> _Signals:
     """Return the named nodes of the law's graph with their values; a node follows those that it contains."""
     named = [(s.signal.name, s.block, e) for s, e in block.computed_signals]
-    named += [(name, "", e) for name, e in block.intermediates]
+    named += [(name, "", e) for name, e in block.labels]
     results = {**block.output, **{f"next {k}": e for k, e in block.next.items()}}
     symbols, values = [block.symbol[c.name] for c in block.constants], [ca.SX(c.value) for c in block.constants]
     exprs = [ca.densify(e) for e in (*(e for _, _, e in named), *results.values())]
@@ -279,12 +282,12 @@ def _variables(witness: Witness, x: Columns, u: Columns) -> dict[str, NDArray[np
         for variable, held in frame.f_locals.items() if len(columns) < VARIABLES else ():
             if held is not before.get(variable) or event == "return":  # an item may be put into what is bound already
                 before[variable] = held
-                for name, column in _columns(variable, held, n, intermediates.DEPTH):
+                for name, column in _columns(variable, held, n, DEPTH):
                     _add(columns, f"{frame.f_code.co_name}: {name}", column)
         return at_line
 
     def at_call(frame: FrameType, event: str, _: object) -> Any:
-        return at_line if intermediates.computes(frame) and _is_of_witness(frame) else None
+        return at_line if _is_of_witness(frame) else None
 
     tracer = sys.gettrace()
     sys.settrace(at_call)
@@ -304,8 +307,20 @@ def _add(columns: dict[str, NDArray[np.float64]], name: str, column: NDArray[np.
 
 
 def _is_of_witness(frame: FrameType) -> bool:
-    """Tell whether a frame runs a function of the witness, not what calls it or makes a dataclass."""
-    return frame.f_globals.get("__name__") != agree.__name__ and not frame.f_code.co_name.startswith("__")
+    """Tell whether a frame runs a function of the witness: no library's, no comprehension, not what calls it."""
+    module, function = str(frame.f_globals.get("__name__")), frame.f_code.co_name
+    return module.split(".")[0] not in LIBRARIES and module != agree.__name__ and not function.startswith(("<", "__"))
+
+
+def _items(held: Any) -> Mapping[str, Any]:
+    """Return what a mapping, a dataclass or a short sequence holds, by name or number."""
+    if isinstance(held, Mapping):
+        return {key: item for key, item in held.items() if isinstance(key, str)}
+    if is_dataclass(held) and not isinstance(held, type):
+        return {f.name: getattr(held, f.name) for f in fields(held)}
+    is_short = isinstance(held, tuple | list) and len(held) <= VALUES
+    names = getattr(held, "_fields", None) or [str(n) for n in range(1, VALUES + 1)]
+    return dict(zip(names, held, strict=False)) if is_short else {}
 
 
 def _columns(name: str, held: Any, n: int, depth: int) -> Iterator[tuple[str, NDArray[np.float64]]]:
@@ -318,9 +333,8 @@ def _columns(name: str, held: Any, n: int, depth: int) -> Iterator[tuple[str, ND
             for k in np.ndindex(rows.shape[:-1]):
                 yield f"{name}[{', '.join(map(str, k))}]", rows[k].astype(np.float64)
     elif depth:
-        items = intermediates.items(held)
         is_mapping = isinstance(held, Mapping)
-        for key, item in items.items():
+        for key, item in _items(held).items():
             yield from _columns(f"{name}[{key!r}]" if is_mapping else f"{name}.{key}", item, n, depth - 1)
 
 

@@ -4,6 +4,7 @@ from string import ascii_lowercase
 
 import casadi as ca
 
+from synth.law import label
 from synth.signals import Signal
 
 SPAN = 5.0  # V, of the converter
@@ -27,4 +28,5 @@ def freedom(sensors: int, unknowns: int) -> int:
 
 def residual(squares: ca.SX, freedom: int) -> ca.SX:
     """Return the root mean square of squared residuals, V."""
+    label(squares=squares)
     return ca.sqrt(ROOT_REGULARISATION + squares / freedom)

@@ -34,6 +34,7 @@ from synth.blocks.estimate import glsdc_estimator, phasor
 from synth.blocks.estimate.glsdc import NamedExpressions
 from synth.blocks.estimate.glsdc_solution import Normal
 from synth.blocks.estimate.phasor import Phasor
+from synth.law import label
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -85,6 +86,10 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
         output |= {"residual": channels.residual(solution.last.squares, freedom), "converged": solution.converged}
         output |= {"damped": integrity.damped, "valid": ca.logic_and(integrity.good, ca.logic_and(known, accepted))}
         output |= {"lock_lost": x["lock_lost"]}
+        label(
+            prediction=prediction, yaw_variance=yaw_variance, yaw=yaw, integrity=integrity, weight=weight,
+            accepted=accepted,
+        )  # fmt: skip
         return Step(output, after.next, named, predicted.certified, numbers)
 
     return build(
@@ -134,12 +139,14 @@ def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray) -> Phasor:
     x, y = array.centre
     if x == y == 0:
         return Phasor(ca.SX(0), ca.SX(0))
+    label(heading=heading, yaw=yaw)
     return heading.times(phasor.of(yaw)).times(Phasor(ca.SX(x), ca.SX(y)))
 
 
 def _position(pose: Exprs, lever: Phasor, array: PlanarArray) -> dict[str, ca.SX]:
     """Return X and Y of the body's origin, m, and the yaw."""
     x, y = (pose[f"phase_{a}"] / array.wave_number + pose[f"pitch_{a}"] * array.pitch for a in planar.AXES)
+    label(pose=pose, x=x, y=y)
     return {"X": x - lever.cosine, "Y": y - lever.sine, "yaw": pose["yaw"]}
 
 
@@ -150,6 +157,7 @@ def _yaw_variance(normal: Normal, problem: Problem) -> ca.SX:
     """
     least = problem.damping * problem.array.radius**2
     pivot = 1 / normal.factors.inverse[2]
+    label(pivot=pivot)
     return 1 / ca.fmax(pivot + (1 - problem.tuning.yaw_damping_ratio**2) * least, least)
 
 
@@ -161,6 +169,7 @@ def _deviations(normal: Normal, yaw: ca.SX, lever: Phasor, problem: Problem) -> 
     for i, (name, slope) in enumerate(zip("XY", slopes, strict=True)):
         by_yaw = factors.lower[2][i] - w * slope
         deviations[f"deviation_{name}"] = sigma / w * ca.sqrt(factors.inverse[i] + yaw * by_yaw**2)
+        label(name, by_yaw=by_yaw)
     return deviations
 
 

@@ -10,6 +10,7 @@ import casadi as ca
 
 from synth.block import Constant, Exprs, State
 from synth.blocks.estimate.glsdc import Vector
+from synth.law import label
 from synth.signals import Signal
 
 PATIENCE = 5  # samples
@@ -39,12 +40,14 @@ def count_faults(residual_fault: ca.SX, x: Exprs) -> tuple[ca.SX, ca.SX]:
     """Return whether the next sample starts elsewhere, and the number of consecutive residual faults."""
     exhausted = x["residual_faults"] >= PATIENCE - 1
     faults = ca.if_else(residual_fault, ca.if_else(exhausted, 0, x["residual_faults"] + 1), 0)
+    label(exhausted=exhausted)
     return ca.logic_and(residual_fault, exhausted), faults
 
 
 def gate_correction(residual_fault: ca.SX, names: tuple[str, ...], at: Vector, x: Exprs) -> dict[str, ca.SX]:
     """Return the correction of a pose by name: 0 on a residual fault, except while searching."""
     rejected = ca.logic_and(residual_fault, ca.logic_not(x["searching"]))
+    label(at=at, rejected=rejected)
     return {name: ca.if_else(rejected, 0, d) for name, d in zip(names, at, strict=True)}
 
 
@@ -56,12 +59,14 @@ def next_phases(restart: ca.SX, pose: Exprs, x: Exprs) -> dict[str, ca.SX]:
         start = ca.if_else(start < -pi, start + 2 * pi, start)
         next[f"start_{axis}"] = ca.if_else(restart, start, x[f"start_{axis}"])
         next[f"phase_{axis}"] = ca.if_else(restart, start, pose[f"phase_{axis}"])
+        label(axis, start=start)
     return next
 
 
-def wrap(angle: ca.SX) -> tuple[ca.SX, ca.SX]:
+def wrap(name: str, angle: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return an angle of -2 pi .. 2 pi wrapped to -pi .. pi, and the whole turns that were subtracted."""
     above = angle > pi
     angle, turns = ca.if_else(above, angle - 2 * pi, angle), ca.if_else(above, 1, 0)
     below = angle < -pi
+    label(name, angle=angle, below=below, turns=turns)
     return ca.if_else(below, angle + 2 * pi, angle), ca.if_else(below, -1, turns)

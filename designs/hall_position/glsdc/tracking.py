@@ -28,6 +28,7 @@ from synth.block import Constant, Exprs, State
 from synth.blocks.estimate.glsdc import Solution
 from synth.blocks.estimate.glsdc_solution import Normal
 from synth.blocks.guard.safety import limit
+from synth.law import label
 from synth.signals import Signal
 
 MOTION = ("motion_x", "motion_y", "motion_yaw")
@@ -156,6 +157,7 @@ def check_integrity(
     tracking, threshold = ca.logic_not(x["searching"]), tuning.ambiguity_threshold / problem.damping
     unique = ca.logic_and(ca.logic_and(in_window, tracking), weight <= threshold)
     unambiguous = ca.logic_and(ca.logic_and(good, unique), u["complete"])
+    label(in_window=in_window, gate_exceeded=gate_exceeded, lost=lost, tracking=tracking, unique=unique)
     return Integrity(fault, damped, good, unambiguous)
 
 
@@ -165,13 +167,14 @@ def advance(
     """Return the pose and the states after the corrections of the predicted pose."""
     fault, tuning = integrity.residual_fault, problem.tuning
     by = restarts.gate_correction(fault, POSE, solution.at, x)
-    pose = {"yaw": restarts.wrap(prediction["yaw"] + by["yaw"])[0]}
+    pose = {"yaw": restarts.wrap("yaw", prediction["yaw"] + by["yaw"])[0]}
     limit, counted = valid_yaw_limit(tuning), ca.SX(1)
     for a in AXES:
         moved = prediction[f"phase_{a}"] + by[f"phase_{a}"]
-        phase, turns = restarts.wrap(moved)
+        phase, turns = restarts.wrap(a, moved)
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + ca.if_else(x["acquired"], turns, 0)}
         counted = ca.logic_and(counted, ca.fabs(pose[f"pitch_{a}"]) <= tuning.pitches)
+        label(a, moved=moved)
     size = ca.fabs(pose["yaw"])
     inside = ca.logic_and(counted, size <= limit)
     next, restart = _search(solution, integrity, x)
@@ -194,6 +197,11 @@ def advance(
         motions = {m: x[m] + g * by[n] for m, n, g in zip(MOTION, POSE, gains, strict=True)}
         continued = {m: ca.if_else(x["searching"], 0, v) for m, v in motions.items()}
         next |= continued
+        label(motions=motions, continued=continued)
+    label(
+        lost=lost, restart=restart, inside=inside, resolved=resolved, counted=counted, size=size,
+        unambiguous=unambiguous, faultless=faultless, outside=outside, by=by,
+    )  # fmt: skip
     return NextState(pose, by["yaw"], next, inside, resolved)
 
 
@@ -204,4 +212,5 @@ def _search(solution: Solution[Normal], integrity: Integrity, x: Exprs) -> tuple
     next = {"residual_faults": faults}
     ended = ca.logic_and(solution.converged, ca.logic_not(fault))
     next["searching"] = ca.if_else(restart, 1, ca.if_else(ended, 0, x["searching"]))
+    label(faults=faults)
     return next, restart

@@ -12,6 +12,7 @@ from designs.hall_position.glsdc import planar
 from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.blocks.guard.safety import limit
+from synth.law import label
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -51,6 +52,8 @@ def metres(array: PlanarArray | SpatialArray, time: Discrete, pitches: int, phas
             output[axis] = u[f"phase_{a}"] / array.wave_number + array.pitch * count
             valid = ca.logic_and(valid, ca.fabs(count) <= pitches)
             next |= {f"last_{a}": u[f"phase_{a}"], f"pitch_{a}": count}
+            label(a, change=change, turned=turned, count=count)
+        label(valid=valid)
         return Step(output | {"valid": valid}, next | {"counting": u["tracking"]}, numbers=numbers)
 
     needed = [*(f"phase_{a}" for a in AXES), *(s.name for s in scaled.values()), "tracking"]

@@ -31,6 +31,7 @@ Source: Yu, Kim, section 3.1, which detects no failures.
 import casadi as ca
 
 from synth.block import Constant, Exprs
+from synth.law import label
 
 # Noise of 5e-5 m rms in a position is 0.62 % of A in a voltage, 1.0 % in r_1, r_2 and 1.1 % in m_x, m_y.
 RESIDUAL_BOUND = 0.08  # of A: six times the noise, and 2 % for unequal sensors and heights
@@ -98,6 +99,7 @@ def is_common_amplitude(x: Exprs, A: float) -> ca.SX:
     both_m_exceed = ca.logic_and(ca.fabs(m_x) > least_m, ca.fabs(m_y) > least_m)
     no_r_exceeds = ca.logic_and(ca.fabs(r_1) <= least_r, ca.fabs(r_2) <= least_r)
     are_similar = ca.fabs(m_x - m_y) < MAX_SPREAD * ca.fabs(m_x + m_y)
+    label(both_m_exceed=both_m_exceed)
     return ca.if_else(ca.logic_and(ca.logic_and(both_m_exceed, no_r_exceeds), are_similar), 1, 0)
 
 
@@ -134,4 +136,9 @@ def suspects(x: Exprs, A: float, unassigned: ca.SX) -> dict[str, ca.SX]:
         after_drift = {s: ca.logic_or(any_r_exceeds, m_exceeds[a]), c: m_exceeds[a], other: any_r_exceeds}
         for name, flag in after_jump.items():
             flags[name] = ca.logic_or(ca.if_else(is_jump, flag, after_drift[name]), is_any)
+        label(a, nearly_zero=nearly_zero, change=change)
+    label(
+        both_m_exceed=both_m_exceed, any_r_exceeds=any_r_exceeds, first_squared=first_squared, is_jump=is_jump,
+        is_any=is_any, size=size, m_exceeds=m_exceeds, r_exceeds=r_exceeds,
+    )  # fmt: skip
     return flags

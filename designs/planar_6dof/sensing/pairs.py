@@ -14,6 +14,7 @@ import casadi as ca
 
 from designs.planar_6dof.sensing import calibration
 from synth.block import Constant, Exprs
+from synth.law import label
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +26,10 @@ class Pair:
     m: ca.SX
 
 
-def pair(s: ca.SX, c: ca.SX, k: Exprs) -> Pair:
+def pair(axis: str, s: ca.SX, c: ca.SX, k: Exprs) -> Pair:
     """Return the pair of voltages that are rotated back."""
     product = (s * c) ** 2
+    label(axis, squared_product=product)
     return Pair(s, c, s**2 + c**2 - (k["power_0"] + product * (k["power_1"] + product * k["power_2"])))
 
 
@@ -43,16 +45,18 @@ def yaw_equation(
     h3 = X.s * (Y.s - Y.c) + Y.s * (X.s - X.c)
     (h1, h2), (r1, r2) = h, r
     information = h1**2 + h2**2 + 2 * k["amplitude_weight"] * h3**2 + least
+    label(h3=h3)
     return h1 * r1 - h2 * r2 + k["amplitude_weight"] * (h3 * (X.m - Y.m)), information
 
 
-def place(p: Pair, r: ca.SX, k: Exprs, cal: calibration.Calibration) -> ca.SX:
+def place(axis: str, p: Pair, r: ca.SX, k: Exprs, cal: calibration.Calibration) -> ca.SX:
     """Return the position within the pitch, m, from the ratio r of the pair."""
     l, f = cal.pitch, ca.SX(0)
     for n in reversed(range(len(cal.position))):
         f = k[f"position_{2 * n + 1}"] + r**2 * f
     f = r * f
     near = ca.if_else(p.c < 0, ca.if_else(f > 0, f - l / 2, f + l / 2), f)
+    label(axis, f=f)
     return ca.if_else(p.s**2 <= p.c**2, near, ca.if_else(p.s < 0, -l / 4, l / 4) - f)
 
 

@@ -66,6 +66,7 @@ from synth.blocks.estimate import dead_reckoning
 from synth.blocks.faults import innovation_monitor
 from synth.blocks.guard import safety
 from synth.fault import Fault
+from synth.law import label
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -146,14 +147,15 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
         minus_Y_c = scale * (cy + phi * ax)
-        X = pairs.pair(scale * (ax - phi * ay), scale * (phi * ay - bx), k)
-        Y = pairs.pair(scale * (ay + phi * ax), -minus_Y_c, k)
+        X = pairs.pair("x", scale * (ax - phi * ay), scale * (phi * ay - bx), k)
+        Y = pairs.pair("y", scale * (ay + phi * ax), -minus_Y_c, k)
         h1, h2 = pairs.slope(Y, k) + (X.c + X.s), pairs.slope(X, k) + (Y.c + Y.s)
         r1, r2 = scale * (by - ay) - h1 * phi, scale * (cx - ax) + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
-        in_pitch = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
+        in_pitch = {axis: pairs.place(axis, pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
         offset = {
-            axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in in_pitch.items()
+            axis: _nearest(axis, position, x[f"offset_{axis}"], expected[axis], l)
+            for axis, position in in_pitch.items()
         }
         numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, regularisation * A**2)
         measured = {axis: position + offset[axis] for axis, position in in_pitch.items()} | {
@@ -165,6 +167,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
             unexpected_yaw = measured["phi"] - (u["phi_predicted"] + contradictions.LASTING * x[INNOVATION.name])
             squared += contradictions.innovation_weight(A) * (innovation["x"] ** 2 + innovation["y"] ** 2)
             squared += information * unexpected_yaw**2
+            label(innovation=innovation, unexpected_yaw=unexpected_yaw)
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
@@ -197,6 +200,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
             bridge[axis] = passed + x[f"offset_{axis}"] if from_forces else bridge[axis]
             next |= {} if from_forces else {f"within_{axis}": output[f"within_{axis}"]}
             output[f"{axis}_raw"] = or_bridge(measured[axis], bridge[axis])
+            label(axis, passed=passed)
         if from_forces:
             next[INNOVATION.name] = ca.if_else(u["ready"], output[yaw] - u["phi_predicted"], 0)
             output[dead_reckoning.MEASURED.name] = accepted
@@ -225,6 +229,11 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
         numbers = [*_numbers(A, l, regularisation), *(_motion_numbers(A) if from_forces else [])]
+        label(
+            accepted=accepted, X=X, Y=Y, minus_Y_c=minus_Y_c, ratio=ratio, in_pitch=in_pitch, expected=expected,
+            h1=h1, h2=h2, information=information, mean=mean, measured=measured, offset=offset, corrected=corrected,
+            squared=squared, raw_yaw=raw_yaw, gain=gain, common=common,
+        )  # fmt: skip
         return Step(output | residuals, next, named, certified, numbers, NOTES if from_forces else ())
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE, *([MEAN] if from_forces else ())]
@@ -245,6 +254,7 @@ def _bridge(u: Exprs, x: Exprs, phi: ca.SX, added: ca.SX, predicted: bool, from_
     if not from_forces:
         return {a: clip(u[s.name], RAW[a]) for a, s in PREDICTED.items()}
     predictions = {a: u[s.name] for a, s in PREDICTED.items()}
+    label(added=added)
     return predictions | {"phi": predictions["phi"] + added}
 
 
@@ -286,11 +296,12 @@ def _motion_numbers(A: float) -> list[Constant]:
     return [*contradictions.innovation_numbers(A), *innovation_monitor.numbers(READ, REPEATS)]
 
 
-def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:
+def _nearest(axis: str, within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:
     """Return the whole pitches nearest to the prediction, at most one from the offset."""
     off = within - expected
     beyond = ca.fabs(off) > l / 2
     down, up = ca.if_else(offset >= l - FAR, offset - l, offset), ca.if_else(offset <= FAR - l, offset + l, offset)
+    label(axis, off=off)
     return ca.if_else(beyond, ca.if_else(off > 0, down, up), offset)
 
 

@@ -22,6 +22,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, per_second
 from synth.timing import Discrete
 
@@ -89,6 +90,7 @@ def block(time: Discrete, positions: Sequence[Position], samples: float, bad_sam
             output[lost(p.signal).name] = ca.if_else(refused, left <= 1, 0)
             next[f"last_{name}"] = position
             next[f"left_{name}"] = ca.if_else(refused, ca.if_else(known, left - 1, 0), bad_samples)
+            label(name, last=last, position=position)
         return Step(output, next, numbers=numbers)
 
     signals = [p.signal for p in positions]

@@ -42,6 +42,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension, quotient_unit
 from synth.timing import Discrete
 
@@ -138,6 +139,8 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             rate = ca.if_else(corrects, s + k[f"{axis.name}_rate_gain"] * innovation, s)
             middle = rate + a
             advance = middle + a
+            label(corrects=corrects)
+            label(axis.name, advance=advance)
             if axis.bias:
                 mean = x[f"{axis.name}_mean"]
                 learnt = clip(mean + k[f"{axis.name}_mean_gain"] * (innovation - mean), _mean(axis))
@@ -152,6 +155,8 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
             if axis.disturbance:
                 learnt_force = clip(h + k[f"{axis.name}_disturbance_gain"] * innovation, _disturbance(axis, time))
                 next[f"{axis.name}_disturbance"] = ca.if_else(corrects, learnt_force, h)
+                label(axis.name, learnt_force=learnt_force)
+            label(axis.name, innovation=innovation, a=a, corrected=corrected, rate=rate, middle=middle)
         certified = {f"{axis.name}_next": partial(_largest, axis, time) for axis in axes}
         certified |= {f"{axis.name}_mean_next": partial(_largest_mean, axis.bias, axis) for axis in axes if axis.bias}
         return Step(output, next, named, certified, [n for axis in axes for n in _numbers(axis, time)])

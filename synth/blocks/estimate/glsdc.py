@@ -30,6 +30,7 @@ from typing import Generic, Protocol, TypeVar
 import casadi as ca
 
 from synth.block import clip
+from synth.law import label
 from synth.signals import Signal
 
 UNLIMITED = 4
@@ -104,6 +105,7 @@ def descend(evaluate: Callable[[int, Vector], Trial[N]], of: Descent) -> Solutio
         best, lowest = _choose(better, trial.at, best), ca.if_else(better, trial.cost, lowest)
     untried = _next(trial, ca.SX(1), best, of)
     converged = ca.logic_and(better, trial.normal.decrease <= of.decrease_tolerance)
+    label(better=better, untried=untried, best=best, converged=converged)
     return Solution(_choose(converged, untried, best), first, trial, converged)
 
 
@@ -164,6 +166,7 @@ class LdlNormalEquations:
             for k in range(i + 1, n):
                 step -= self.factors.lower[k][i] * moves[k]
             ends[i], moves[i] = choose(i, step)
+            label(step=step)
         return ends
 
 
@@ -187,6 +190,7 @@ def factorise_information(left: list[list[ca.SX]], least: Sequence[float], ratio
     in_range = ca.SX(1)
     for i, floor in enumerate(least):
         in_range = ca.logic_and(in_range, left[i][i] <= ratio**2 * floor)
+    label(left=left)
     return _eliminate(left, least, ratio**2), in_range
 
 
@@ -202,6 +206,7 @@ def _eliminate(left: list[list[ca.SX]], least: Sequence[float], squared_ratio: f
         for i in range(j + 1, len(least)):
             for k in range(j + 1, i + 1):
                 left[i][k] -= lower[i][j] * left[k][j]
+    label(lower=lower, inverse=inverse, left=left)
     return LdlFactors(tuple(map(tuple, lower)), tuple(inverse))
 
 
@@ -225,6 +230,7 @@ def variances(of: LdlFactors) -> list[ca.SX]:
         for k in range(i + 1, n):
             column.append(-total(of.lower[k][j] * column[j - i] for j in range(i, k)))
         diagonal.append(total(w**2 * d for w, d in zip(column, of.inverse[i:], strict=True)))
+    label(diagonal=diagonal)
     return diagonal
 
 

@@ -46,6 +46,7 @@ from synth.blocks.guard import safety
 from synth.blocks.guard.safety import limit
 from synth.composition import compose
 from synth.errors import ModelError
+from synth.law import label
 from synth.signals import Signal, product_unit, quotient_unit, signal_names
 from synth.timing import Discrete
 
@@ -269,6 +270,7 @@ def estimator(
         problem = _problem(of, u, x, ca.vcat([k[c.name] for c in constants]), weights, named)
         solution, about = glsdc_monitor.solve(monitor, problem, iteration or Iteration(), search is not None, x)
         step = _step(Monitored(of, monitor, search), problem, solution, about, u, x, named)
+        label(x=x, weights=weights or ())
         return replace(step, numbers=[*numbers, *own_numbers])
 
     return build(
@@ -365,7 +367,11 @@ def _step(
                 estimator, problem, Sample(starts, pose, solution.converged, accepted), good, next, x
             )
             output, next = output | dict(tracked[0]), next | dict(tracked[1])
+            label(tracked=tracked[1])
     output |= {"converged": solution.converged, "weak": weak, "valid": good}
+    label(cost=cost, accepted=accepted, good=good, weak=weak, pose=pose, motions=motions)
+    for v, start, variance in zip(unknowns, starts, variances, strict=True):
+        label(v.name, predicted=start, variance=variance)
     return Step(output, next, named, problem.prediction.certified)
 
 

@@ -60,6 +60,7 @@ from synth.blocks.estimate.glsdc import LdlFactors, LdlNormalEquations, LimitSte
 from synth.blocks.estimate.glsdc_jacobian import Linearisation, Model
 from synth.blocks.estimate.glsdc_solution import DYNAMIC_RANGE, Iteration, Normal, Problem
 from synth.errors import ModelError, SignalError
+from synth.law import label
 from synth.signals import Signal
 
 DETECTABLE = 1e-3  # least s_j of a unit w_j: below, single precision does not tell a fault from a motion
@@ -185,6 +186,7 @@ def hypotheses(
         slopes.append([dot_sparse(w, [row[i] for row in linear.rows]) for i in range(len(floors))])
         forward = glsdc.substitute_forward(factors, slopes[-1], [ratio * sqrt(f) for f in floors])
         units.append(LdlNormalEquations(factors, forward))
+        label(str(len(units)), forward=forward)
     moves = [_limit_moves(unit.step, floors) for unit in units]
     gains, mixing, detectable = [ca.SX(0)] * len(units), [], ca.SX(1)
     for group in groups:
@@ -195,6 +197,7 @@ def hypotheses(
         for k, j in enumerate(group):
             moves[j] = [column[k] for column in mixed]
         mixing.append(members.lower)
+    label(gain=gains, detectable=detectable)
     return Hypotheses(groups, slopes, moves, gains, mixing, detectable)
 
 
@@ -211,12 +214,14 @@ def _separabilities(group: Sequence[int], units: Sequence[LdlNormalEquations], l
     for k, a in enumerate(group):
         products = zip(units[a].forward, units[a].factors.inverse, strict=True)
         weighted = [z * d for z, d in products]
+        label(str(a + 1), weighted=weighted)
         row = [
             dot_sparse(linear.directions[a], _dense(linear.directions[b], len(units)))
             - glsdc.dot(weighted, units[b].forward)
             for b in group[:k]
         ]
         S.append([*row, 1 - units[a].decrease])
+    label(S=S)
     return glsdc.factorise_information(S, [DETECTABLE] * len(group), 1 / sqrt(DETECTABLE))[0]
 
 
@@ -259,6 +264,7 @@ def _added_variance(of: Hypotheses, group: Sequence[int], i: int) -> ca.SX:
 
 def costs(of: Hypotheses, scores: Vector, cost: ca.SX) -> list[ca.SX]:
     """Return the cost c_j s^2 of each hypothesis; `scores` are u_j (m,) by `decorrelate`, `cost` is c s^2 of all."""
+    label(scores=scores)
     return [cost - glsdc.total(scores[j] * (scores[j] * of.gains[j]) for j in group) for group in of.groups]
 
 
@@ -267,6 +273,7 @@ def most_likely(costs: Vector) -> ca.SX:
     least, number = costs[0], ca.SX(1)
     for j, cost in enumerate(costs[1:], 2):
         number, least = ca.if_else(cost < least, j, number), ca.fmin(cost, least)
+    label(least=least, number=number)
     return number
 
 
@@ -275,6 +282,7 @@ def most_costly(costs: Vector) -> ca.SX:
     largest, number = costs[0], ca.if_else(costs[0] > 0, 1, 0)
     for j, cost in enumerate(costs[1:], 2):
         number, largest = ca.if_else(cost > largest, j, number), ca.fmax(cost, largest)
+    label(number=number)
     return number
 
 
@@ -295,6 +303,7 @@ def separated_level(of: Hypotheses, i: int, full: Full, passing: Vector, reporte
         difference = ca.fabs(full.step[i] - reported - separation)
         apart = ca.if_else(passes, ca.fmax(apart, difference), apart)
         added = ca.if_else(passes, ca.fmax(added, _added_variance(of, group, i)), added)
+    label(added=added, apart=apart)
     return apart + deviations * ca.sqrt(full.variances[i] + added)
 
 
@@ -346,6 +355,7 @@ class Reduced(Normal):
         scaled = [gain * p for gain, p in zip(self.removal.gains, self.projections, strict=True)]
         steps = super().solve(lambda i, step: (step, step))
         added = [total(x[i] * v for x, v in zip(self.removal.moves, scaled, strict=True)) for i in range(len(steps))]
+        label(steps=steps, added=added)
         return [choose(i, scale * (step + a))[0] for i, (step, a) in enumerate(zip(steps, added, strict=True))]
 
 
@@ -376,12 +386,14 @@ def solve(
         if i:
             gradient = glsdc_solution.gradient_of(linear.rows, used, one.normal.pulls)
             projections = [clip(dot(x, gradient), bound) for x in removal.moves]
+            label(gradient=gradient, projection=projections)
             normal = _without_group(one.normal, removal, projections, ca.SX(0))
         else:
             dropped = whole.squares - one.squares
             normal = _without_group(whole.normal, removal, [-u for u in scores], dropped)
         return Trial(at, one.residuals, one.squares, one.cost, normal)
 
+    label(in_range=factors[1], scores=scores)
     return glsdc_solution.iterate(of.model, iteration, trial), separation
 
 
@@ -408,6 +420,8 @@ def _removal(groups: Sequence[Sequence[int]], of: Separation, excluded: ca.SX) -
     sizes, moves = range(max(map(len, groups))), of.faults.moves
     columns = [[member([x[i] for x in moves], j) for i in range(len(moves[0]))] for j in sizes]
     gains, scores = ([member(values, j) for j in sizes] for values in (of.faults.gains, of.full.scores))
+    label(moves=moves)
+    label("excluded", move=columns, gain=gains, score=scores)
     return Removal(columns, [ca.if_else(excluded < 1, 0, gain) for gain in gains]), scores
 
 
@@ -446,6 +460,7 @@ def _separation(
     scores = [dot_sparse(w, e) - dot(slope, step) for w, slope in zip(linear.directions, faults.slopes, strict=True)]
     cost = ca.fmax(dot(e, e) + about.cost - about.squares - all_channels.decrease, 0)
     full = Full(step, glsdc.variances(factors), decorrelate(faults, scores))
+    label(gradient=gradient, forward=forward, scores=scores)
     return Separation(faults, full, cost, in_range)
 
 

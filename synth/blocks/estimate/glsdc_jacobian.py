@@ -40,6 +40,7 @@ from synth.blocks.estimate.glsdc import NamedExpressions, Vector
 from synth.blocks.estimate.glsdc_model import Implicit, Measurement, Phase, RotatedMeasurement, Unknown
 from synth.blocks.estimate.phasor import Phasor
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
 
@@ -329,6 +330,7 @@ def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named
         one, certificates = phasor.by_certified_reduction(limited, phasor.halvings(p.largest), f"{p.name}_part", named)
         phasors.append(one)
         certified |= certificates
+        label(p.name, limited=limited)
     return Prediction(values, phases, turns, phasors, measured, constants, certified)
 
 
@@ -375,6 +377,12 @@ def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
             _rotate(start, clip(change, Signal(p.name, "rad", -p.change, p.change)))
             for p, start, change in zip(of.phases, phasors, changes, strict=True)
         ]
+        for u, value, chord, turn in zip(of.turning, (m[1] for m in moved), chords, turns, strict=True):
+            label(u.name, moved=value, chord=chord, turn=turn)
+        for p, change in zip(of.phases, changes, strict=True):
+            label(p.name, by=change)
+    for p, of_phase in zip(of.phases, phasors, strict=True):
+        label(p.name, phasor=of_phase)
     pairs = [*_columns(turns), *_columns(phasors)]
     e, H, D = of.function(ca.vcat(list(values)), *pairs, prediction.constants, ca.vcat(list(prediction.measured)))
     channels = range(len(of.channels))
@@ -404,11 +412,14 @@ def _limited_phase_changes(
     for u, chord in zip(of.turning, chords, strict=True):
         most = Signal("chord", "1", -u.rate * u.step, u.rate * u.step)
         limited.append(ANY if chord is ANY else Phasor(clip(chord.cosine, most), clip(chord.sine, most)))
+        label(u.name, limited=limited[-1])
     moved = [
         d if u.periodic else end - start
         for u, d, end, start in zip(of.unknowns, at, values, prediction.values, strict=True)
     ]
     changes = of.phase_changes(ca.vcat(moved), *_columns(limited), prediction.constants)
+    for u, change in zip(of.unknowns, moved, strict=True):
+        label(u.name, moved=change)
     return [changes[i] for i in range(len(of.phases))]
 
 
@@ -423,6 +434,7 @@ def _chord(start: Phasor, u: Unknown, value: ca.SX, by: ca.SX) -> Phasor:
         return Phasor(turn.cosine - start.cosine, turn.sine - start.sine)
     sine, half = ca.sin(u.rate * by), ca.tan(u.rate * by / 2)
     fall = sine * (half * start.cosine + start.sine)
+    label(u.name, chord_sine=sine, half_tangent=half, fall=fall)
     return Phasor(-fall, sine * (start.cosine - half * start.sine))
 
 

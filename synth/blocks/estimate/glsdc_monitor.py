@@ -36,6 +36,7 @@ from synth.blocks.estimate.glsdc_jacobian import Linearisation, Model
 from synth.blocks.estimate.glsdc_search import SCREENED
 from synth.blocks.estimate.glsdc_solution import DYNAMIC_RANGE, Iteration, Problem
 from synth.errors import ModelError, SignalError
+from synth.law import label
 from synth.signals import Signal
 
 LEVEL_RANGE = 100.0  # limits: a larger protection level is not resolved
@@ -179,6 +180,7 @@ def weights(of: Monitor, x: Exprs) -> Vector | None:
         ca.if_else(none, 1, glsdc_integrity.choose(x["excluded"], [ca.SX(float(k != j)) for k in groups]))
         for j in groups
     ]
+    label(none=none)
     return [included[number[j]] for j in range(len(of.model.channels))]
 
 
@@ -204,6 +206,7 @@ def judge(
         if about is None:
             about = glsdc_integrity.separate(of.model, of.groups, trial, _single(of, trial.normal.linear))
         moved = [end - begin for end, begin in zip(solution.at, trial.at, strict=True)]
+        label(moved=moved)
         return _judge_hypotheses(of, about, moved, decides, cost, sigmas, x)
     normal = solution.last.normal
     faults = _hypotheses(of, normal.factors, normal.linear)
@@ -259,6 +262,11 @@ def _judge_hypotheses(
     begins = ca.logic_and(ca.logic_and(keeps, contested), ca.logic_not(trial))
     next |= {"excluded": excluded, "competing": ca.if_else(begins, glsdc_integrity.most_costly(failing), 0)}
     # A sample whose levels are within their limits is not contested, and a trial does not pass.
+    label(
+        best=best, doubted=doubted, now=now, none=none, full_cost=full_cost, plausible=plausible, costs=costs,
+        passes=passes, failing=failing, decides=decides, test=test, limit=limit, excluded=excluded, uncertain=uncertain,
+        contested=contested, refuted=refuted, keeps=keeps, passing=passing,
+    )  # fmt: skip
     return Judgement(ca.logic_and(passes, ca.logic_not(trial)), made.levels, made.within, next, doubted)
 
 
@@ -296,6 +304,7 @@ def _judgement(of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hyp
         signal, limit = _level(of, u.name, u.signal.unit), of.integrity.limits[u.name]
         by_name[signal.name] = clip(ca.if_else(faults.detectable, level, signal.high), signal)
         within = ca.logic_and(within, by_name[signal.name] <= ca.if_else(none, limit, excluded_limit(of, u.name)))
+    label(level=level)
     return Judgement(passes, by_name, within, {}, ca.SX(0))
 
 

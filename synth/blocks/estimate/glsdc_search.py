@@ -38,6 +38,7 @@ from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks.estimate.glsdc import Vector
 from synth.blocks.estimate.glsdc_model import Unknown
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
@@ -70,10 +71,12 @@ def screen(time: Discrete, channels: Sequence[Signal], groups: Sequence[Sequence
             refused = reduce(ca.logic_or, [u[f"fault_{name}"] for name in group])
             flags.append(ca.logic_or(refused, frozen))
             next[f"repeats_{index}"] = ca.if_else(same, count, 0)
+            label(str(index), same=same, count=count, frozen=frozen, refused=refused, flag=flags[-1])
         single = reduce(lambda total, flag: total + flag, flags) <= 1
         number = ca.SX(0)
         for index, flag in reversed(list(enumerate(flags, 1))):
             number = ca.if_else(flag, index, number)
+        label(number=number)
         return Step({"rejected": ca.if_else(single, number, 0), SCREENED.name: single}, next, numbers=[most])
 
     held = [replace(s, name=f"{s.name}_held") for s in channels]
@@ -222,6 +225,7 @@ def advance(of: Search, unknowns: Sequence[Unknown], sample: Sample, x: Exprs) -
             f"candidate_{u.name}": ca.if_else(tracking, x[f"candidate_{u.name}"], candidate),
             u.name: ca.if_else(tracking, track, sweep),
         }
+        label(u.name, start=start, candidate=candidate)
     number, final = x["start_number"], of.starts - 1
     going_on = ca.if_else(number >= final, final, number + ends)
     following = ca.if_else(unique, of.starts, ca.if_else(last, 0, going_on))
@@ -231,6 +235,10 @@ def advance(of: Search, unknowns: Sequence[Unknown], sample: Sample, x: Exprs) -
         age = ca.if_else(ends, 0, ca.fmin(x["age"] + 1, of.dwell - 1))
         next["age"] = ca.if_else(tracking, 0, age)
     followed = ca.logic_and(accepted, ca.logic_not(is_lost(of, x)))
+    label(
+        tracking=tracking, unique=unique, agrees=agrees, last=last, ends=ends, solves=solves, first=first, count=count,
+        followed=followed,
+    )  # fmt: skip
     return next | {
         "start_number": ca.if_else(tracking, of.starts, following),
         "candidates": ca.if_else(tracking, 0, ca.if_else(kept, count, 0)),
@@ -241,6 +249,7 @@ def advance(of: Search, unknowns: Sequence[Unknown], sample: Sample, x: Exprs) -
 def _agrees(of: Search, u: Unknown, solved: Exprs, x: Exprs) -> ca.SX:
     """Return whether a solution is the candidate, the short way round for a periodic unknown."""
     apart = ca.fabs(solved[u.name] - x[f"candidate_{u.name}"])
+    label(u.name, apart=apart)
     return (ca.fmin(apart, ca.fabs(apart - u.width)) if u.periodic else apart) <= of.agreement[u.name]
 
 

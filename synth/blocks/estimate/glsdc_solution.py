@@ -34,6 +34,7 @@ from synth.blocks.estimate import glsdc, glsdc_jacobian
 from synth.blocks.estimate.glsdc import Descent, LdlFactors, LdlNormalEquations, Solution, Trial, Vector, dot, total
 from synth.blocks.estimate.glsdc_jacobian import Linearisation, Model, Prediction
 from synth.errors import ModelError
+from synth.law import label
 from synth.signals import Signal
 from synth.statespace import Array
 
@@ -127,11 +128,13 @@ def trial(of: Problem, at: Vector, linear: Linearisation, factors: tuple[LdlFact
     gradient = gradient_of(linear.rows, used, pulls)
     forward = glsdc.substitute_forward(factors[0], gradient, forward_bounds(of.model))
     normal = Normal(factors[0], forward, linear, pulls, factors[1])
+    label(residuals=residuals, gradient=gradient, forward=forward, squares=squares, offsets=offsets)
     return Trial(at, residuals, squares, squares + dot(pulls, offsets), normal)
 
 
 def gradient_of(rows: Sequence[Vector], residuals: Vector, pulls: Vector) -> list[ca.SX]:
     """Return H'e - P (o + d) (n,)."""
+    label(rows=rows)
     return [total(row[j] * e for row, e in zip(rows, residuals, strict=True)) - p for j, p in enumerate(pulls)]
 
 

@@ -30,6 +30,7 @@ import casadi as ca
 from synth.block import Certificate, Constant, clip
 from synth.blocks.estimate.glsdc import NamedExpressions
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, quotient_unit
 
 MAX_ANGLE = 1.2  # rad: the largest angle whose sine and cosine are approximated by polynomials
@@ -115,6 +116,7 @@ def _by_doubling(
         sines.append(s * c)
         c = 1 - s**2 / 2 ** (2 * left + 1)
     full = clip(sines[-1], limits[1])
+    label(name, sines=sines[:-1])
     return Phasor(c, full), [s, full]
 
 
@@ -144,6 +146,7 @@ def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> 
         Constant("wavelength_high", high, unit, f"{about}, in {HIGH_BITS} bits: its multiples are exact"),
         Constant("wavelength_low", period - high, unit, f"{about}, less wavelength_high"),
     )
+    label(name, n=n)
     return Distance(signal, value, lambda u, e: _distance_bound(period, whole, u), numbers)
 
 
@@ -170,4 +173,5 @@ def by_quarter_angle(distance: ca.SX, period: float, name: str, named: NamedExpr
     sine = ca.sin(pi / (2 * period) * distance)
     h = sine * ca.sqrt(1 - sine**2)
     named.append((Signal(f"quarter_sine_{name}", "1", -1, 1), sine))
+    label(name, h=h)
     return Phasor(length - 8 * length * h**2, h * (4 * length - 8 * length * sine**2))

@@ -37,6 +37,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
@@ -150,11 +151,13 @@ def block(
             taken_back = ca.if_else(u[flags.frozen], learnt, 0.0)
             v = ca.if_else(trusted, v, x["v"] - taken_back)
             d = ca.if_else(trusted, d, 0.0)
+            label(learnt=learnt, taken_back=taken_back)
         q, v, d = (ca.if_else(u["ready"], new, first) for new, first in ((q, u[measured.name]), (v, 0.0), (d, 0.0)))
         if flags:
             same = ca.logic_and(trusted, u[flags.unchanged] >= 1)
             more = (1 - LEAK) * x["gained"] + (d - x["d_at_change"])
             next |= {"gained": ca.if_else(same, more, 0.0), "d_at_change": ca.if_else(same, x["d_at_change"], d)}
+            label(same=same, more=more)
         a = (x["g"] * u[demand.name] if gain else u[demand.name]) + d
         rate_ahead = v + T * a
         position_ahead = q + T / 2 * (v + rate_ahead)
@@ -163,6 +166,7 @@ def block(
             next["g"] = x["g"] + gain.rate * T * (u[demand.name] * d)
         values = [x["q"], q, v, d]
         values += [clip(position_ahead, states[0].signal), clip(rate_ahead, states[1].signal)] if ahead else []
+        label(nu=nu, d=d, a=a, rate_ahead=rate_ahead)
         return Step(dict(zip((s.name for s in signals), values, strict=True)), next, numbers=numbers)
 
     states = [

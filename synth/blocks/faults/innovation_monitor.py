@@ -52,6 +52,7 @@ from synth.blocks.faults import redundancy_decision
 from synth.blocks.faults.redundancy_decision import DOUBTS, FRESH, Decision
 from synth.blocks.guard import safety
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
@@ -109,6 +110,7 @@ def watch(x: Exprs, codes: Sequence[ca.SX], repeats: int, goes_on: ca.SX, flag: 
         FROZEN: by_phase(frozen, frozen, ca.if_else(is_last, channel + 1, frozen), frozen),
         "watch_code": by_phase(stored, code, stored, stored),
     }
+    label(begun=begun, code=code)
     return Watch(next, by_phase(flag, flag, ca.if_else(is_last, 1, flag), flag))
 
 
@@ -228,6 +230,10 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         }
         if n in decision.jump:
             next["jumps"] = by_case(ca.if_else(last, 0, x["jumps"] + 1), 0, 0, 0)
+        label(
+            agreeing=agreeing, same=same, believed=believed, unchanged=unchanged, jumping=jumping, stands=stands,
+            usable=usable, stopped=stopped, growth=growth, strayed=strayed, far=far, distance=distance, moves=moves,
+        )  # fmt: skip
         return Step(output, next, numbers=decision.numbers_of_monitor(sensor))
 
     return build(
@@ -245,6 +251,7 @@ def _is_in_time(u: Exprs, missed_calls: Signal | None) -> ca.SX:
     if missed_calls:  # a count below 0 is as bad as one that is NaN
         counted = ca.logic_and(u[missed_calls.name] >= missed_calls.low, u[missed_calls.name] <= 0)
         in_time = ca.logic_and(in_time, counted)
+        label(counted=counted, in_time=in_time)
     return in_time
 
 

@@ -29,6 +29,7 @@ from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks.guard import safety
 from synth.errors import SignalError
 from synth.fault import BRAKING_BIT, Failure, Fault, enumeration
+from synth.law import label
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -133,6 +134,7 @@ def block(
             q, v, d = (u[f"{c.coordinate}_{of}"] for of in ("estimate", "rate", "disturbance"))
             if isinstance(c, Levelling):
                 levelling_pole = ca.if_else(u[f"{c.coordinate}_measured"], c.pole, c.predicted_pole)
+                label(c.coordinate, levelling_pole=levelling_pole)
                 damping = 2 * levelling_pole * v
                 named.append((Signal(f"damping_{c.coordinate}", w.unit, w.low, w.high, "part by the rate"), damping))
                 demand = -(levelling_pole * levelling_pole * q + damping + d)
@@ -145,6 +147,7 @@ def block(
                 ddr = ca.fmax(ca.fmin((target - dr) / T, c.acceleration), -c.acceleration)
                 dr_next = ca.fmax(ca.fmin(target, dr + T * c.acceleration), dr - T * c.acceleration)
                 ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + dr_next), position), r)
+                label(c.coordinate, ahead=ahead)
                 next[position.name] = ca.if_else(landing, ahead, x[position.name])
                 next[rate.name] = ca.if_else(landing, dr_next, x[rate.name])
                 values = zip(_ramp(c), (r, dr, target, dr_next), strict=True)
@@ -155,6 +158,7 @@ def block(
                 at_end = x[f"r_{c.coordinate}"] >= c.end + c.beyond
                 output["landed"] = ca.if_else(ca.logic_and(x["landing"], at_end), 1, 0)
                 output[safety.RESTS] = ca.logic_and(output["landed"], u[c.coordinate] >= c.rests_beyond)
+        label(waiting=waiting, landing=landing)
         return Step(
             output,
             next,

@@ -24,6 +24,7 @@ from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
 from synth.fault import Failure
+from synth.law import label
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -109,6 +110,10 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         }
         next = {"sample": sample, "attempt": attempt, "towards": towards}
         idle = {"sample": ca.SX(0), "attempt": ca.SX(0), "towards": x["towards"]}
+        label(
+            active=active, runs=runs, waits=waits, ends=ends, one_more=one_more, to_set_point=to_set_point, push=push,
+            pulse=pulse, other=other,
+        )  # fmt: skip
         return Step(output, {n: ca.if_else(active, value, idle[n]) for n, value in next.items()}, numbers=numbers)
 
     unchanged = Signal(f"{sensor}_unchanged", "1", 0, 1e6, "samples without a change of the code")

@@ -41,6 +41,7 @@ from synth.blocks.guard import safety
 from synth.blocks.guard.safety import REFUSED
 from synth.errors import SignalError
 from synth.fault import Failure, enumeration
+from synth.law import label
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
@@ -180,6 +181,7 @@ def block(
         decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_"))}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
+        label(same=same, usable=usable, calm=calm, determined=determined, sound=sound, decisions=decisions)
         return Step(output, next, named, numbers=decision.numbers(by_name, relations))
 
     made = build(
@@ -257,6 +259,7 @@ def _vote(
         corrected, replaced = y[n] - isolated[n] * r / w, ca.if_else(usable[n], y[n], predicted)
         value[n] = by_case(y[n], clip(corrected, signals[n]), clip(replaced, signals[n]))
         suspects[n] = ca.if_else(by_case(undecided, isolated[n] + waited, excluded[n] + doubted) > 0, 1, 0)
+        label(n, predicted=predicted)
     next = {
         f"contradictions_{i}": by_case(
             ca.SX(0), redundancy_decision.count(ca.SX(1), count, decision.undecided), ca.SX(0)
@@ -265,9 +268,15 @@ def _vote(
         f"undecided_{i}": by_case(undecided, waited, doubted),
         **{f"excluded_{n}": by_case(excluded[n], left_out_now[n], left_out[n]) for n in names},
     }
-    regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
+    decided, enough = ca.logic_not(undecided), missing <= 1
+    regular = by_case(decided, ca.logic_not(waited), ca.logic_and(enough, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
     shown = redundancy_decision.signals(i, signals[names[0]].unit, r, E, score)
+    label(
+        direction=direction, E=E, score=score, best=best, final=final, agrees=agrees, agreement=agreement, whole=whole,
+        waited=waited, doubted=doubted, decided=decided, enough=enough, missing=missing, least=least,
+        isolated=isolated, left_out_now=left_out_now, readmitted=readmitted,
+    )  # fmt: skip
     return _Vote(value, suspects, next, regular, sufficient, agreement, shown)
 
 

@@ -29,6 +29,7 @@ from synth.analyse.structure.parity import Relation
 from synth.block import Constant, Exprs, State
 from synth.blocks.guard import safety
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal
 
 FRESH, STILL = 3, 8  # samples without a change of the code: fewer, it moves; at least, it stands still
@@ -62,9 +63,15 @@ def isolate(
     for n in names:
         second = ca.fmax(second, ca.fmin(best, score[n]))
         best = ca.fmax(best, score[n])
+        label(n, best=best, second=second)
     standing = sum(alone.values(), start=ca.SX(0))
     by_code = candidates + standing > 0
     distinct = best - second > ca.if_else(by_code, LEAD["by code"], LEAD["by innovation"]) * size
+    label(
+        size=size, stands=stands, second=second, least_E=least_E, moving=moving, candidates=candidates,
+        by_first_rule=by_first_rule, by_second_rule=by_second_rule, standing=standing, by_code=by_code, repeats=repeats,
+        candidate=candidate, preferred=preferred,
+    )  # fmt: skip
     return score, best, ca.logic_and(distinct, ca.logic_or(by_code, ca.logic_not(undecided)))
 
 

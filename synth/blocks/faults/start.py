@@ -14,6 +14,7 @@ from synth import arguments
 from synth.block import Block, Exprs, Step, build
 from synth.blocks.estimate.dead_reckoning import READY
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
@@ -36,6 +37,7 @@ def block(time: Discrete, demands: Mapping[Signal, Signal]) -> Block:
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         begun = ca.logic_or(u[READY.name], u[COMPLETE.name])
+        label(begun=begun)
         return Step({passed.name: ca.if_else(begun, u[demand.name], 0) for demand, passed in demands.items()})
 
     tag = "no demand before the first complete sample"

@@ -16,6 +16,7 @@ from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Step, build
 from synth.blocks.guard.safety import BRAKES
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
@@ -56,6 +57,7 @@ def block(time: Discrete, axes: Sequence[Axis]) -> Block:
             is_close = ca.fabs(u[a.set_point.name] - u[axis]) <= a.largest
             is_late = ca.if_else(u[BRAKES.name], 0, ca.logic_not(is_close))
             late[a.late.name] = ca.if_else(u[LATCHED.name], 0, is_late)
+            label(axis, is_close=is_close, is_late=is_late)
         return Step(late, numbers=numbers)
 
     by_position = {a.position.name: a for a in axes}

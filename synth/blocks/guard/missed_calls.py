@@ -19,6 +19,7 @@ from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Step, build
 from synth.errors import SignalError
 from synth.fault import Failure
+from synth.law import label
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -53,6 +54,7 @@ def block(time: Discrete, count: Signal, bit: int) -> Block:
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         tolerated = ca.logic_and(u[count.name] >= count.low, u[count.name] <= count.high)
+        label(tolerated=tolerated)
         return Step({flag.name: ca.logic_not(tolerated)}, numbers=[most])
 
     made = build(MISSED_CALLS, time, law, inputs=[count], outputs=[flag], tag="missed calls")

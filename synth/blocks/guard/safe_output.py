@@ -32,6 +32,7 @@ from synth.blocks.estimate.dead_reckoning import Axis
 from synth.blocks.guard import safety as guarding
 from synth.blocks.guard.safety import BRAKES
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension, quotient_unit, signal_names
 from synth.timing import Discrete
 
@@ -118,6 +119,7 @@ def block(time: Discrete, outputs: Sequence[Signal], safety: Safety, unread: Col
             value[s.name] = ca.if_else(u["latched"], slewed, computed)
             stored = ca.if_else(u[guarding.MAY_LATCH.name], computed, last) if s.name in stored_seldom else computed
             next[f"last_{s.name}"] = ca.if_else(u["latched"], slewed, stored)
+            label(s.name, slewed=slewed)
         before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs if s.name not in stored_seldom}
         return Step(value | before, next, named, numbers=_numbers(time, outputs, safety))
 

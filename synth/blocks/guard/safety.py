@@ -40,6 +40,7 @@ from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build
 from synth.errors import SignalError
 from synth.fault import BRAKING_BIT, Failure, Judgement, enumeration
+from synth.law import label
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -133,6 +134,7 @@ def next_count(good: ca.SX, left: ca.SX, samples: int, good_samples: int) -> ca.
     """Return the count one sample later; the last bad sample leaves it as it is."""
     cost, most = max(good_samples, 1), full(samples, good_samples)
     restored = ca.if_else(left >= most, left, left + 1) if good_samples else most
+    label(good=good)
     return ca.if_else(good, restored, ca.if_else(is_due(left, good_samples), left, left - cost))
 
 
@@ -293,6 +295,7 @@ def guard(
             complete, final = ca.SX(1), is_due(x["left"], good_samples)
             for n in suspected or measured:
                 complete = ca.if_else(good[n], complete, 0)
+                label(n, complete=complete)
             complete = ca.if_else(u[SUSPECTED], 0, complete) if suspects and not redundant else complete
             others = ca.SX(1)
             for n in (n for n in measured if suspects and n not in suspected):
@@ -310,6 +313,9 @@ def guard(
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
             output |= {JUDGING.name: ca.logic_and(x["ready"], ca.logic_not(x["latched"]))} if redundant else {}
+            label(complete=complete, others=others, every=every, enough=enough, final=final)
+            label(gave_up=gave_up, latched=latched)
+        label(good=good)
         return Step(output, next, numbers=latch(bad_samples, braking, good_samples) if measured else [])
 
     last = "last good value"

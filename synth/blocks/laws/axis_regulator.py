@@ -47,6 +47,7 @@ from synth.analyse.numerics import nearest_root, precise
 from synth.block import Block, Exprs, Step, build, clip
 from synth.declare.stage import Interface
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import UNBOUNDED, Signal
 from synth.statespace import Array, StateSpace, readonly
 from synth.synthesise.nonlinear.feedback_linearisation import Linearisation
@@ -396,6 +397,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
         achieved = a + ca.mtimes(D, ca.vertcat(*(u[s.name] for s in computed)))
         output = {commands[name].excess: excess_demands[i] for i, name in enumerate(outputs)}
         limited = [commands[name].limited for name in outputs]
+        label(a=a, achieved=achieved)
         return Step(output | {s.name: clip(achieved[i], s) for i, s in enumerate(limited)})
 
     states, name = list(state_signals.states.values()), "_".join(outputs)

@@ -22,6 +22,7 @@ from synth import arguments
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
@@ -54,6 +55,7 @@ def block(name: str, time: Discrete, signal: Signal, rate: Signal, bandwidth: fl
         d = ca.if_else(u["ready"], q - x["q_prev"], 0)
         s = k["fade"] * x["s"] + d
         r = k["fade"] * x["r"] + s + k["rho"] * x["s"]
+        label(d=d)
         return Step(
             {rate.name: k["h"] * r},
             {"q_prev": q, "s": s, "r": r},

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError, TimingError
+from synth.law import label
 from synth.signals import Signal
 from synth.synthesise.classical import lead_lag
 from synth.timing import Discrete
@@ -89,6 +90,7 @@ def block(name: str, time: Discrete, K: lead_lag.LeadLag, of: Loop, source: str)
         error = u[of.set_point.name] - u[of.position.name]
         lead = k["lead_input"] * error + (k["lead_pole"] * x["lead"] if p else 0)
         integral = k["integral_decay"] * x["integral"] + k["integral_input"] * u[of.achieved.name]
+        label(error=error)
         return Step(
             {of.demand.name: k["gain"] * error + x["lead"] + x["integral"]}, {"integral": integral, "lead": lead}
         )

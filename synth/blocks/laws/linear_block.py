@@ -16,6 +16,7 @@ import numpy as np
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, StateSpace, System, of
 from synth.synthesise.observers.lqg import Start
@@ -78,6 +79,7 @@ def block(
         current |= {name: ca.if_else(x[STARTED.name], x[name], value) for name, value in initial.items()}
         next_values = {row.signal.name: total(row, ca.SX(0)) for row in next}
         next_values |= {} if start is None else {STARTED.name: ca.SX(1)}
+        label(current=current, next_values=next_values)
         return Step({row.signal.name: total(row, ca.SX(0)) for row in out}, next_values)
 
     after_init = np.zeros(len(states)) if start is None else start.a

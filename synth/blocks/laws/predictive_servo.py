@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension
 from synth.synthesise.feedback.lqr import Gain
 from synth.synthesise.regulation import internal_model
@@ -98,6 +99,7 @@ def block(
         next = {s: ca.if_else(inside, v, x[s]) for s, v in next.items()}
         w = k["k_e"] * (u[f"{name}_ahead"] - r) + k["k_de"] * u[f"{name}_rate_ahead"] - k["k_step"] * step
         w = sum((k[f"k_{s}"] * x[s] for s in eta), start=w) - cancelled * u[f"{name}_disturbance"]
+        label(step=step, inside=inside, w=w, e=e, moved=moved)
         return Step({demand.name: clip(w, demand)}, {**next, "r": r}, numbers=numbers)
 
     on_eta = _exact_product(gain, model.T)

@@ -8,7 +8,7 @@ comparison with a constant              above_limit, below_limit
 comparison with a whole number          left_at_least_3, left_above_3, left_positive
 choices that change a state             left_next
 fault word on its way              faults_before
-value of a variable of the law          its name; with the signal that it serves where several of its Block have it
+what the law labels                     its label
 
 A value with a longer name, on the way to the signal `r_1`, has a name from what becomes of it, else from what it is:
 
@@ -19,11 +19,9 @@ any other                               r_1_sum, r_1_product, r_1_test and so on
 """
 
 import re
-from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from synth.emit.c.locals import LOADS
-from synth.emit.passes import parts
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LOGICAL
 
@@ -50,16 +48,15 @@ class Naming:
         self.served = _signal_of_node(p)
         self.made: set[str] = set()
         self.signals = {k: mark.signal.name for mark, k in reversed(p.marks)}
-        self.owner = parts.by_node(p)
-        self.labels = Counter((self.owner[k], label) for k, label in p.labels.items())
         self.users = p.users()
 
     def name(self, k: int) -> str:
         """Return a name for node k and the choices that share its variable, which may be in use."""
         node, sharing = self.p.nodes[k], [*self.sharing.get(k, ())[::-1], k]
         states = [self.changes[c] for c in sharing if c in self.changes]
-        made = next((label for c in sharing if (label := self._label(c))), "")
-        made = made or (f"{states[0]}_next" if states else "") or self._function(k) or self._made(node)
+        if label := next((self.p.labels[c] for c in sharing if c in self.p.labels), ""):
+            return label
+        made = (f"{states[0]}_next" if states else "") or self._function(k) or self._made(node)
         if not made or len(made) > LONGEST:
             made = self._by_signal(k) if self.served[k] else self._last_resort(node)
         return made
@@ -92,11 +89,6 @@ class Naming:
     def _last_resort(self, node: Node) -> str:
         bits = any(self.p.nodes[a].op == "bit" for a in node.args)
         return "faults_before" if bits else "value"
-
-    def _label(self, k: int) -> str:
-        label = self.p.labels.get(k, "")
-        several = self.labels[self.owner[k], label] > 1 and self.served[k] and not label.startswith(self.served[k])
-        return f"{label}_{self.served[k]}" if label and several else label
 
     def width(self, text: str) -> int:
         """Return the length of a text in which each name made here counts as two letters: it decides nothing."""

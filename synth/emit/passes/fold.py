@@ -265,7 +265,7 @@ def _rebuild(p: Program, make: Callable[[Folder, Node, Node], int]) -> Program:
 
 
 def _names_of_negatives(p: Program, f: Folder, index: Sequence[int]) -> dict[int, str]:
-    """Return names for nodes whose negative is what a variable of a law holds, as `lower` gives them."""
+    """Return names for nodes whose negative a law labels, as `lower` gives them."""
     negatives = {f.nodes[index[k]]: f"minus_{name}" for k, name in p.labels.items() if "minus" not in name}
     return {n.args[0]: name for n, name in negatives.items() if n.op == "neg" and f.nodes[n.args[0]].op != "mul"}
 

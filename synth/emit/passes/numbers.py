@@ -193,7 +193,7 @@ def _operands(node: Node) -> set[int]:
 
 
 def _names_by_node(p: Program) -> dict[int, set[str]]:
-    """Return by node the names of the signals, states, next states and variables of a law that it is."""
+    """Return by node the names of the signals, states, next states and labels of a law that it is."""
     named: dict[int, set[str]] = {}
     pairs = [(k, n.name) for k, n in enumerate(p.nodes) if n.name] + [(k, n.signal.name) for n, k in p.marks]
     for k, name in (*pairs, *p.labels.items(), *((k, name) for name, k in p.next.items())):

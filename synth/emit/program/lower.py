@@ -60,8 +60,8 @@ class Program:
     `polynomials` maps the name of a "polynomial" node to its polynomial, and `tables` that of a "table" node to its
     numbers. `products` maps the name of a constant that folding introduced to the two constants that it multiplies.
     `titles` maps each Block of the composition to its description and the number of its equation, `equations` to the
-    lines of its equations, `notes` to sentences about it. `labels` are names of nodes from the variables of the laws,
-    for the locals of the C. `recorded` and `limited` are the signals of which diagnostics have the value, or that they
+    lines of its equations, `notes` to sentences about it. `labels` are names of nodes that the laws give, for
+    the locals of the C. `recorded` and `limited` are the signals of which diagnostics have the value, or that they
     are at a limit.
     """
 
@@ -160,9 +160,9 @@ def program(block: Block) -> Program:
 
 def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node]) -> dict[int, str]:
     """Return by node the name of the value of a law that it computes, or ``minus_<name>`` for its negative."""
-    if not block.intermediates:
+    if not block.labels:
         return {}
-    shared = ca.cse([e for _, e in block.intermediates])  # it rewrites some operations, as in the program
+    shared = ca.cse([e for _, e in block.labels])  # it rewrites some operations, as in the program
     f = ca.Function("values", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
     values, results = walk(f, loads, {})
     known = {node: k for k, node in reversed([*enumerate(nodes)])}
@@ -172,7 +172,7 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
         index.append(None if None in args else known.get(replace(node, args=tuple(a for a in args if a is not None))))
     names: dict[int, dict[str, None]] = {}
     negatives: dict[int, str] = {}
-    for value, (name, _) in zip(results, block.intermediates, strict=True):
+    for value, (name, _) in zip(results, block.labels, strict=True):
         if (k := index[value]) is not None:
             names.setdefault(k, {})[name] = None
         elif values[value].op == "neg" and (k := index[values[value].args[0]]) is not None:

@@ -12,6 +12,7 @@ from synth.block import Block, Constant, State, Step, build
 from synth.composition import compose
 from synth.emit.c import equations
 from synth.emit.write import emit
+from synth.law import label
 from synth.signals import Signal
 from synth.timing import Discrete
 from tests.emit.c.test_manifest import stage
@@ -111,12 +112,13 @@ def test_no_comment_is_wider_than_120_columns() -> None:
 
 
 def long_law(depth: int = 9) -> Block:
-    """Return a Block whose output is too long for an equation unless in its variable `drag`."""
+    """Return a Block whose output is too long for an equation unless in its label `drag`."""
 
     def law(u: Any, x: Any, k: Any) -> Step:
         drag = u["x"]
         for j in range(1, depth + 1):
             drag = (drag + j * u["y"]) * (u["x"] - 0.1 * j)
+        label(drag=drag)
         return Step({"out": ca.fmax(ca.fmin(drag * u["y"] + drag, 1), -1)})
 
     return build("flow", TIME, law, inputs=[X, Y], outputs=[Signal("out", "N", -1, 1)])
@@ -145,6 +147,7 @@ def tracker(measured: Signal) -> Block:
     def law(u: Any, x: Any, k: Any) -> Step:
         e = u[of] - x["p"]
         now, v = x["p"] + 0.5 * e, x["v"] + 0.125 * e
+        label(e=e, now=now, v=v)
         return Step({f"{of}_ahead": now + v + 0.25 * (v * e)}, {"p": now + v, "v": 0.5 * v + 0.0625 * (x["p"] * e)})
 
     states = [State(Signal(name, "m", -2, 2), 0.0) for name in ("p", "v")]

@@ -11,6 +11,7 @@ from synth.block import Block, Constant, State, Step, build
 from synth.composition import compose
 from synth.emit.write import emit
 from synth.execute import host
+from synth.law import label
 from synth.plant import build as build_plant
 from synth.signals import Parameter, Signal
 from synth.timing import Discrete
@@ -91,6 +92,7 @@ def test_of_equal_numbers_of_two_kinds_the_names_of_a_value_decide() -> None:
         deviation = ca.fmin(u["x"] + 1, 0.7)
         motion = ca.fmin(u["x"] ** 2, 0.7)
         other = ca.fmin(u["x"] ** 3, 0.7)
+        label(deviation=deviation, motion=motion)
         return Step({"y": (deviation + motion**2) / (other + 5)}, numbers=numbers)
 
     made = text(build("law", TIME, two, inputs=[X], outputs=[Y]))
