@@ -322,6 +322,8 @@ def _trajectory(
 ) -> Trajectory:
     """Run from the loop's equilibrium; not `settled`, or where there is none to start at, switch the machine on.
 
+    At rest an auxiliary input that moves from the first sample on, such as a feedforward, has its declared initial
+    value, unless it tells a parameter. Any other has the first value of its course.
     `begun` of the trajectory says which, and where.
     """
     time, interface = sample_times(duration_s, rig.period_s), rig.stage.interface
@@ -341,7 +343,10 @@ def _trajectory(
         begun = f"{SWITCHED_ON} {reason}"
     elif settled:
         known = parameters | {a.of: value for a, value in announced.items()}
-        options = rig.at_equilibrium(under.start, known | {n: float(v[0]) for n, v in auxiliaries.items()})
+        moving = {a.name for a in interface.auxiliaries if not a.of and a.name in auxiliaries}
+        moving -= {n for n, v in auxiliaries.items() if len(v) < 2 or v[0] == v[1]}
+        known |= {n: rig.constant_inputs.get(n, 0.0) if n in moving else float(v[0]) for n, v in auxiliaries.items()}
+        options = rig.at_equilibrium(under.start, known)
         at_rest = AT_REST + rig.displacement(under.start, options["start"])
         begun = at_rest if "state" in options else f"{SWITCHED_ON} where the loop has no stable equilibrium"
     references = rig.set_points_at(under.start) | profiles | auxiliaries

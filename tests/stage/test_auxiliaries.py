@@ -24,6 +24,7 @@ from synth.app import standard_tasks, tables, tune_jobs, verdicts
 from synth.app.commands import Surveyed
 from synth.base.progress import silent
 from synth.block import Block, Exprs, State, Step, build
+from synth.declare.effects import Course
 from synth.declare.experiments import Conditions, Hold, LiftOff, Ramp, Sine, StepResponse, Track
 from synth.declare.stage import Stage
 from synth.declare.tuning import Tuning
@@ -313,8 +314,19 @@ def test_a_feedforward_is_a_course_of_an_auxiliary_input(rig: Rig) -> None:
     mean = 2 / np.pi * 2e-4
     assert plain_error == pytest.approx(mean * abs((s * s + D * s) / (s * s + D * s + P)), rel=0.1)
     assert error < 1.2 * mean * abs(s * s / (s * s + D * s + P)) < plain_error
-    rests = "starts at the loop's equilibrium, z = 0.00042 m"  # D v_ff / P, of the v_ff at the start
-    assert forward.title == f"Tracking of z, v_ff acts, {rests}" and plain.title == "Tracking of z"
+    assert forward.title == "Tracking of z, v_ff acts" and plain.title == "Tracking of z"
+
+
+def test_a_run_starts_at_rest_under_a_feedforward_that_moves_and_at_the_value_of_one_that_does_not(rig: Rig) -> None:
+    """A constant v_ff displaces this law by D v_ff / P; one that moves at once was 0 before."""
+
+    def title(course: Course) -> str:
+        return experiments.result(Hold({"z_ref": 1.0}, 0.1, 0.05, Conditions(auxiliaries={"v_ff": course})), rig).title
+
+    rests = "z held, v_ff acts, starts at the loop's equilibrium, z = {:.4g} m"
+    v = 0.012
+    assert title(v) == title(Ramp(v, 0.0, 0.05, 0.05)) == rests.format(D * v / P)
+    assert title(Sine(v, 60.0, np.pi / 2)) == title(Ramp(v, 0.0, 0.0, 0.05)) == "z held, v_ff acts"
 
 
 def test_the_error_of_a_gauge_is_no_overshoot_to_the_final_value(rig: Rig) -> None:

@@ -8,7 +8,7 @@ The unknowns are the plant's states x, its actuated inputs u and the controller'
 together: an integrator alone may rest at any value, and the input that the plant needs determines this value. Newton's
 method with the minimum-norm step solves the equations, each unknown relative to half the width of its range. It starts
 at the plant's trim with the initial state of the controller, then at later samples of the simulated loop. Counters and
-flags are stepped until they are constant.
+flags are stepped until they are constant. A state that no step changes holds its initial value.
 
 Equilibrium equations of a sampled closed loop, in the plant's states x and inputs u and the controller's state c.
 
@@ -30,7 +30,7 @@ from synth import arguments
 from synth.analyse import operating_points
 from synth.analyse.loops import loop
 from synth.analyse.operating_points import OperatingPoint
-from synth.block import Block
+from synth.block import Block, clip
 from synth.errors import NoEquilibriumError, SignalError
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
@@ -134,7 +134,8 @@ def _functions(closed: SampledLoop) -> _Functions:
     commanded = ca.SX(u)
     for i, row in zip(actuated, rows, strict=True):
         commanded[i] = sum((weight * commands[name] for name, weight in row.items()), start=ca.SX(0))
-    real = [i for i, s in enumerate(block.states) if not s.integer]
+    holds = [ca.is_equal(next_state[i], clip(c[i], s.signal), 2) for i, s in enumerate(block.states)]
+    real = [i for i, s in enumerate(block.states) if not (s.integer or holds[i])]
     unknowns = (*plant.states, *(plant.inputs[i] for i in actuated), *(block.states[i].signal for i in real))
     widths = np.array([s.high / 2 - s.low / 2 for s in unknowns])
     scale = np.where(np.isfinite(widths) & (widths > 0), widths, 1.0)

@@ -206,3 +206,45 @@ def test_the_search_goes_on_after_an_equilibrium_at_a_limit_and_out_of_range() -
     near = operating_points.trim(plant, {"gap": 6 / 850}, ["i"])
     closed = equilibrium.SampledLoop(plant, limited_pd(), SENSORS, ACTUATORS)
     assert equilibrium.solve(closed, {"wish": 0.01}, near).point["gap"] == pytest.approx(6 / 850)
+
+
+@pytest.mark.parametrize("learns", [False, True])
+def test_a_state_that_holds_a_number_is_not_free(learns: bool) -> None:
+    """PD with a bias of 3 m/s^2, of 4 once a counter has run: 900 (wish - gap) + bias = spring gap at rest."""
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        demand = 900 * (u["wish"] - u["q"]) - 50 * (u["q"] - x["last"]) / 1e-3 + x["bias"]
+        bias = ca.if_else(x["count"] < 5, 4.0, x["bias"]) if learns else x["bias"]
+        return Step({"drive": demand}, {"last": u["q"], "bias": bias, "count": ca.fmin(x["count"] + 1, 9)})
+
+    inputs = [Signal("q", "m", -0.05, 0.05), Signal("wish", "m", -0.05, 0.05)]
+    states = [State(Signal("last", "m", -0.05, 0.05), 0), State(Signal("bias", "m/s^2", -20, 20), 3.0)]
+    states.append(State(Signal("count", "1", 0, 9), 0, integer=True))
+    pd = build("pd", Discrete(1e-3), law, inputs=inputs, outputs=[Signal("drive", "m/s^2", -20, 20)], states=states)
+    plant = carriage(600.0)
+    near = operating_points.trim(plant, {"gap": 0.01}, ["i"])
+    rest = equilibrium.solve(equilibrium.SampledLoop(plant, pd, SENSORS, ACTUATORS), {"wish": 0.01}, near)
+    bias = 4.0 if learns else 3.0
+    assert rest.state["bias"] == bias and rest.point["gap"] == pytest.approx((9 + bias) / 1500, rel=1e-9)
+
+
+def test_of_two_actuators_each_carries_the_share_that_the_law_gives_it() -> None:
+    """The trim has the least squares of both relative to their ranges, 12 (r1, r2)^2; the law shares 3 : 1."""
+    drives = [Signal("i", "m/s^2", -20, 20), Signal("j", "m/s^2", -10, 10)]
+
+    def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+        return {"gap": x["speed"], "speed": u["i"] + u["j"] - 12.0}, {"gap": x["gap"]}
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        demand = 900 * (u["wish"] - u["q"]) - 50 * (u["q"] - x["last"]) / 1e-3 + x["sum"]
+        total = x["sum"] + u["wish"] - u["q"]
+        return Step({"i": 0.75 * demand, "j": 0.25 * demand}, {"last": u["q"], "sum": total})
+
+    plant = plant_of("pair", [POSITION, RATE], drives, [POSITION], [], physics)
+    near = operating_points.trim(plant, {"gap": 0.01}, ["i", "j"])
+    np.testing.assert_allclose(near.u, [12 * 400 / 500, 12 * 100 / 500], rtol=1e-12)
+    inputs = [Signal("q", "m", -0.05, 0.05), Signal("wish", "m", -0.05, 0.05)]
+    states = [State(Signal("last", "m", -0.05, 0.05), 0), State(Signal("sum", "m/s^2", -1e3, 1e3), 0)]
+    pid = build("pid", Discrete(1e-3), law, inputs=inputs, outputs=drives, states=states)
+    closed = equilibrium.SampledLoop(plant, pid, SENSORS, {"i": "i", "j": "j"})
+    np.testing.assert_allclose(equilibrium.solve(closed, {"wish": 0.01}, near).point.u, [9.0, 3.0], rtol=1e-9)
