@@ -1,4 +1,4 @@
-"""What float32 does to linear dynamics, as predicted, beside NumPy's recursions and an hour of the C."""
+"""What float32 does to linear dynamics, as predicted, beside NumPy's recursions, an hour and a day of the C."""
 
 from collections.abc import Callable
 from math import cos, pi, sin
@@ -133,6 +133,51 @@ def test_an_oscillation_keeps_in_an_hour_of_the_c_what_is_predicted() -> None:
     u[0] = 1.0  # sets the state
     y = host.compile_block(rotation(7.0)).replay({"u": u}).outputs["y"]
     assert np.abs(y[-1000:]).max() / 0.5 == pytest.approx(part.amplitude, abs=1e-3)
+
+
+@pytest.mark.whole
+def test_a_day_of_the_c_at_1_khz_drifts_no_further_than_predicted() -> None:
+    """An oscillator, a low-pass of 0.05 Hz, an integrator, and one under less than its dead band, for 86.4e6 steps."""
+    c, s = cos(0.014 * pi), sin(0.014 * pi)  # 7 Hz
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        p, q = k["c"] * x["p"] - k["s"] * x["q"], k["s"] * x["p"] + k["c"] * x["q"]
+        oscillation = {"p": ca.if_else(u["u"] > 0.99, 0.5, p), "q": ca.if_else(u["u"] > 0.99, 0, q)}
+        sums = {f"s_{name}": x[f"s_{name}"] + k["k"] * u[name] for name in ("hum", "still")}
+        slow = x["slow"] + k["a"] * (u["level"] - x["slow"])
+        return Step(
+            {"y": p, "low": x["slow"], "sum": x["s_hum"], "rest": x["s_still"]}, oscillation | sums | {"slow": slow}
+        )
+
+    states = [State(Signal(n, "m", -b, b), v) for n, b, v in
+              (("p", 1, 0.0), ("q", 1, 0.0), ("s_hum", 10, 5.0), ("s_still", 10, 5.0), ("slow", 1, 0.0))]  # fmt: skip
+    values = {"c": c, "s": s, "k": 1e-3, "a": 1e-4 * pi}
+    block = build(
+        "day",
+        Discrete(1e-3),
+        law,
+        inputs=[Signal(n, "m", -1, 1) for n in ("u", "level", "hum", "still")],
+        outputs=[Signal(n, "m", -20, 20) for n in ("y", "low", "sum", "rest")],
+        states=states,
+        constants=[Constant(n, v, "1", "test") for n, v in values.items()],
+    )
+    by_state = {part.states[0]: part for part in parts(block)}
+    controller, state, hour = host.compile_block(block), None, 3_600_000
+    time = np.arange(hour) * 1e-3
+    worst, exact = 0.0, 5.0
+    for h in range(24):
+        hum = np.sin(2 * pi * 1.2345678 * time + h).astype(F32)  # no whole periods: rounding takes all phases
+        inputs: dict[str, Any] = {"u": (time == 0) & (h == 0), "level": 0.7, "still": 0.49 * by_state["s_still"].lost}
+        made = controller.replay({**inputs, "hum": hum}, state)
+        state, y = made.state, made.outputs
+        sums = exact + np.cumsum(float(F32(1e-3)) * hum.astype(float))
+        worst, exact = max(worst, np.abs(y["sum"][1:] - sums[:-1]).max()), sums[-1]
+    predicted = by_state["p"].amplitude
+    assert predicted is not None and np.abs(y["y"][-1000:]).max() / 0.5 == pytest.approx(predicted**24, rel=0.01)
+    assert np.abs(y["low"] - 0.7).max() < by_state["slow"].lost
+    assert (y["rest"] == 5.0).all()  # below 5 a unit in the last place is half that at the bound of 10
+    assert worst < 24 * hour * float(F32(1e-3)) * by_state["s_hum"].lost  # that of each step has one sign
+    assert worst < 4e-3  # and they are as good as independent: three times sqrt(n / 3) of half a unit at 5
 
 
 @pytest.mark.parametrize("hertz", [0.5, 1.3, 11.0, 50.0, 123.0])
