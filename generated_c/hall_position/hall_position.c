@@ -114,8 +114,7 @@ static inline float sine_4_polynomial(float t)
     return 1.0f + (t * (-0.16666621f + (t * (0.008330503f + (t * -0.00019336317f)))));
 }
 
-/* guard: range acceptance, hold, latch
- *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
+/* guard: range acceptance, hold, latch */
 HALL_POSITION_INLINE uint32_t hall_position_guard(hall_position_guard_state_t *state, bool complete,
     uint32_t latched_before)
 {
@@ -149,24 +148,7 @@ typedef struct {
     bool valid;
 } hall_position_estimator_t;
 
-/* estimator: GLSDC, Fig. 9
- *     yaw_part_sine = 4 * sin(0.25 * (estimator_yaw + motion_yaw))
- *     yaw_part_cosine = cos(0.25 * (estimator_yaw + motion_yaw))
- *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
- *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
- *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
- *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
- *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_ax_part_2^2), 1.001); likewise
- *         ay_part_full, bx_part_full, by_part_full
- *     deviation_X = sigma_per_wave_number * sqrt(inverse_1 + by_yaw_X^2 * yaw_variance); likewise
- *         deviation_Y
- *     valid = integrity_good and (resolved and not lock_lost and (inside and complete))
- *     phase_x_next = (start_x + start_step_x + two_pi if start_x + start_step_x < -pi, else start_x +
- *         start_step_x) if restart, else pose_phase_x; likewise phase_y_next
- *     start_x_next = (start_x + start_step_x + two_pi if start_x + start_step_x < -pi, else start_x +
- *         start_step_x) if restart, else start_x; likewise start_y_next
- *     lock_lost_next = lock_lost or acquired and (restart or (not counted or (yaw_limit if resolved, else
- *         ambiguous_yaw_limit) < size)) */
+/* estimator: GLSDC, Fig. 9 */
 HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_position_estimator_state_t *state,
     float V_ax_held, float V_ay_held, float V_bx_held, float V_by_held, bool complete)
 {

@@ -137,8 +137,7 @@ typedef struct {
     bool fault_V_dy;
 } hall_position_four_guard_t;
 
-/* guard: range acceptance, hold, latch
- *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
+/* guard: range acceptance, hold, latch */
 HALL_POSITION_FOUR_INLINE hall_position_four_guard_t hall_position_four_guard(hall_position_four_guard_state_t *state,
     uint32_t fault_V_ax_part, uint32_t latched_before)
 {
@@ -169,13 +168,7 @@ typedef struct {
     bool screened;
 } hall_position_four_screen_t;
 
-/* screen: refused and repeated codes
- *     rejected = (1 if flag_1, else (2 if flag_2, else (3 if flag_3, else (4 if flag_4, else 0)))) if
- *         screened, else 0
- *     screened = flag_1 + flag_2 + flag_3 + flag_4 <= 1
- *     repeats_1_next = (repeats_1 if most_repeats <= repeats_1, else repeats_1 + 1) if |V_ax_held -
- *         last_V_ax| <= 0 or |V_ay_held - last_V_ay| <= 0, else 0; likewise repeats_2_next,
- *         repeats_3_next, repeats_4_next */
+/* screen: refused and repeated codes */
 HALL_POSITION_FOUR_LARGE hall_position_four_screen_t hall_position_four_screen(hall_position_four_screen_state_t *state,
     bool fault_V_ax, bool fault_V_ay, float V_ax_held, float V_ay_held, bool fault_V_bx, bool fault_V_by,
     float V_bx_held, float V_by_held, bool fault_V_cx, bool fault_V_cy, float V_cx_held, float V_cy_held,
@@ -295,37 +288,7 @@ typedef struct {
     bool doubted;
 } hall_position_four_estimator_t;
 
-/* estimator: weighted least squares
- *     cos_yaw = cos(limit(estimator_yaw + motion_yaw, highest_yaw))
- *     sin_yaw = sin(limit(estimator_yaw + motion_yaw, highest_yaw))
- *     ax_part_sine = 4 * sin(0.25 * limited_ax); likewise ay_part_sine
- *     ax_part_cosine = cos(0.25 * limited_ax); likewise ay_part_cosine
- *     ax_part_doubled = limit(4 * (sin(0.25 * limited_ax) * ax_part_cosine), 2.002); likewise
- *         ay_part_doubled
- *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * ax_part_sine^2), 1.001); likewise ay_part_full,
- *         bx_part_full, by_part_full, cx_part_full, cy_part_full, dx_part_full, dy_part_full
- *     bx_part_sine = 8 * sin(0.125 * limited_bx); likewise by_part_sine, cx_part_sine, cy_part_sine,
- *         dx_part_sine, dy_part_sine
- *     bx_part_cosine = cos(0.125 * limited_bx); likewise by_part_cosine, cx_part_cosine, cy_part_cosine,
- *         dx_part_cosine, dy_part_cosine
- *     bx_part_doubled = limit(8 * (sin(0.125 * limited_bx) * bx_part_cosine * (1 - 0.03125 *
- *         bx_part_sine^2)), 2.002); likewise by_part_doubled, cx_part_doubled, cy_part_doubled,
- *         dx_part_doubled, dy_part_doubled
- *     plausible_1_next = keeps and (plausible_1 and not (refuted and x_excluded == 1) if x_trial, else
- *         passing_1 or plausible_1) if tracking, else 0
- *     plausible_2_next = keeps and (plausible_2 and not (refuted and x_excluded == 2) if x_trial, else
- *         passing_2 or plausible_2) if tracking, else 0
- *     plausible_3_next = keeps and (plausible_3 and not (refuted and x_excluded == 3) if x_trial, else
- *         passing_3 or plausible_3) if tracking, else 0
- *     plausible_4_next = keeps and (plausible_4 and not (refuted and x_excluded == 4) if x_trial, else
- *         passing_4 or plausible_4) if tracking, else 0
- *     start_number_next = starts if tracking, else (starts if unique, else (0 if last, else (last_start if
- *         last_start <= start_number, else start_number + ends)))
- *     candidates_next = 0 if tracking, else (count if not last or unique, else 0)
- *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
- *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
- *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
- *         else begin_yaw) */
+/* estimator: weighted least squares */
 HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
     hall_position_four_estimator(hall_position_four_estimator_state_t *state, float rejected, float V_ax_held,
     float V_ay_held, float V_bx_held, float V_by_held, float V_cx_held, float V_cy_held, float V_dx_held,
@@ -1500,11 +1463,7 @@ typedef struct {
     bool valid;
 } hall_position_four_metres_t;
 
-/* metres
- *     valid = phases_valid and |pitch_x_next| <= most_pitches and |pitch_y_next| <= most_pitches
- *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
- *         last_x, else pitch_x), end_of_count) if |pitch_x| <= most_pitches and counting, else pitch_x) if
- *         tracking, else 0; likewise pitch_y_next */
+/* metres */
 HALL_POSITION_FOUR_INLINE hall_position_four_metres_t hall_position_four_metres(hall_position_four_metres_state_t
     *state, float phase_x, bool tracking, float phase_y, float deviation_phase_x, float deviation_phase_y,
     float protection_phase_x, float protection_phase_y, bool phases_valid)

@@ -135,8 +135,7 @@ typedef struct {
     bool fault_V_cy;
 } hall_position_three_guard_t;
 
-/* guard: range acceptance, hold, latch
- *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
+/* guard: range acceptance, hold, latch */
 HALL_POSITION_THREE_INLINE hall_position_three_guard_t hall_position_three_guard(hall_position_three_guard_state_t
     *state, uint32_t fault_V_ax_part, uint32_t latched_before)
 {
@@ -166,10 +165,7 @@ typedef struct {
     bool screened;
 } hall_position_three_screen_t;
 
-/* screen: refused and repeated codes
- *     rejected = (1 if flag_1, else (2 if flag_2, else (3 if flag_3, else 0))) if screened, else 0
- *     repeats_1_next = (repeats_1 if most_repeats <= repeats_1, else repeats_1 + 1) if |V_ax_held -
- *         last_V_ax| <= 0 or |V_ay_held - last_V_ay| <= 0, else 0; likewise repeats_2_next, repeats_3_next */
+/* screen: refused and repeated codes */
 HALL_POSITION_THREE_INLINE hall_position_three_screen_t
     hall_position_three_screen(hall_position_three_screen_state_t *state, bool fault_V_ax, bool fault_V_ay,
     float V_ax_held, float V_ay_held, bool fault_V_bx, bool fault_V_by, float V_bx_held, float V_by_held,
@@ -266,32 +262,7 @@ typedef struct {
     bool doubted;
 } hall_position_three_estimator_t;
 
-/* estimator: weighted least squares
- *     cos_yaw = cos(limit(estimator_yaw + motion_yaw, highest_yaw))
- *     sin_yaw = sin(limit(estimator_yaw + motion_yaw, highest_yaw))
- *     ax_part_sine = 8 * sin(0.125 * limited_ax); likewise ay_part_sine, bx_part_sine, by_part_sine
- *     ax_part_cosine = cos(0.125 * limited_ax); likewise ay_part_cosine, bx_part_cosine, by_part_cosine
- *     ax_part_doubled = limit(8 * (sin(0.125 * limited_ax) * ax_part_cosine * (1 - 0.03125 *
- *         ax_part_sine^2)), 2.002); likewise ay_part_doubled, bx_part_doubled, by_part_doubled
- *     ax_part_full = limit(ax_part_doubled * (1 - 0.125 * sines_ax_part_2^2), 1.001); likewise
- *         ay_part_full, bx_part_full, by_part_full, cx_part_full, cy_part_full
- *     cx_part_sine = 4 * sin(0.25 * limited_cx); likewise cy_part_sine
- *     cx_part_cosine = cos(0.25 * limited_cx); likewise cy_part_cosine
- *     cx_part_doubled = limit(4 * (sin(0.25 * limited_cx) * cx_part_cosine), 2.002); likewise
- *         cy_part_doubled
- *     plausible_1_next = keeps and (plausible_1 and not (refuted and x_excluded == 1) if x_trial, else
- *         passing_1 or plausible_1) if tracking, else 0
- *     plausible_2_next = keeps and (plausible_2 and not (refuted and x_excluded == 2) if x_trial, else
- *         passing_2 or plausible_2) if tracking, else 0
- *     plausible_3_next = keeps and (plausible_3 and not (refuted and x_excluded == 3) if x_trial, else
- *         passing_3 or plausible_3) if tracking, else 0
- *     start_number_next = starts if tracking, else (starts if unique, else (0 if last, else (last_start if
- *         last_start <= start_number, else start_number + ends)))
- *     candidates_next = 0 if tracking, else (count if not last or unique, else 0)
- *     age_next = 0 if tracking, else (0 if converged or last_age <= age, else min(age + 1, 3))
- *     begin_yaw_next = begin_yaw if tracking, else ((begin_yaw + increment_yaw - width_yaw if highest_yaw
- *         < begin_yaw + increment_yaw, else begin_yaw + increment_yaw) if converged or last_age <= age,
- *         else begin_yaw) */
+/* estimator: weighted least squares */
 HALL_POSITION_THREE_LARGE hall_position_three_estimator_t
     hall_position_three_estimator(hall_position_three_estimator_state_t *state, float rejected, float V_ax_held,
     float V_ay_held, float V_bx_held, float V_by_held, float V_cx_held, float V_cy_held, bool screened,
@@ -1285,11 +1256,7 @@ typedef struct {
     bool valid;
 } hall_position_three_metres_t;
 
-/* metres
- *     valid = phases_valid and |pitch_x_next| <= most_pitches and |pitch_y_next| <= most_pitches
- *     pitch_x_next = (limit(pitch_x + 1 if phase_x - last_x < -pi, else (pitch_x - 1 if pi < phase_x -
- *         last_x, else pitch_x), end_of_count) if |pitch_x| <= most_pitches and counting, else pitch_x) if
- *         tracking, else 0; likewise pitch_y_next */
+/* metres */
 HALL_POSITION_THREE_INLINE hall_position_three_metres_t hall_position_three_metres(hall_position_three_metres_state_t
     *state, float phase_x, bool tracking, float phase_y, float deviation_phase_x, float deviation_phase_y,
     float protection_phase_x, float protection_phase_y, bool phases_valid)

@@ -51,8 +51,7 @@ static inline float exp_polynomial(float t)
     return 1.0f + (t * (199.9999f + (t * (20000.012f + (t * (1.3345296e+06f + (t * 6.6655596e+07f)))))));
 }
 
-/* guard: range acceptance, hold, latch
- *     left_next = latch_samples if complete is set, else (left if left <= 1, else left - 1) */
+/* guard: range acceptance, hold, latch */
 LEVITATOR_2DOF_INLINE uint32_t levitator_2dof_guard(levitator_2dof_guard_state_t *state, bool complete,
     uint32_t latched_before)
 {
@@ -79,14 +78,7 @@ typedef struct {
     float z_predicted;
 } levitator_2dof_servo_z_output_t;
 
-/* servo_z: servo of z
- *     sum_next = limit((sum if started is set, else limit(sum + start_sum_from_z_held * z_held, 0.34)) -
- *         z_error + 13.3333 * (next_sum_from_w_z_excess * (exp(200 * limit(z_predicted, 0.0006)) *
- *         i1_excess)), 0.34)
- *     p1_next = limit(p1 + next_p1_from_q1 * q1 + 13.3333 * (next_p1_from_w_z_excess * (exp(200 *
- *         limit(z_predicted, 0.0006)) * i1_excess)), 0.0096)
- *     q1_next = limit(next_q1_from_q1 * q1 - p1 - z_error + 13.3333 * (next_q1_from_w_z_excess * (exp(200
- *         * limit(z_predicted, 0.0006)) * i1_excess)), 0.26) */
+/* servo_z: servo of z */
 LEVITATOR_2DOF_INLINE levitator_2dof_servo_z_output_t levitator_2dof_servo_z_output(levitator_2dof_servo_z_state_t
     *state, float z_held, float w_z_late1_predicted, float z_ref_held, levitator_2dof_diagnostics_t *diagnostics)
 {
@@ -161,9 +153,7 @@ typedef struct {
     float i1_demand;
 } levitator_2dof_inverse_z_t;
 
-/* inverse_z: feedback linearisation of z
- *     i1_demand = 0.075 * (w_z_command - (9.33333 * exp(200 * limit(z_predicted, 0.0006)) - 9.81)) /
- *         exp(200 * limit(z_predicted, 0.0006)) */
+/* inverse_z: feedback linearisation of z */
 LEVITATOR_2DOF_INLINE levitator_2dof_inverse_z_t levitator_2dof_inverse_z(float w_z_command, float exp_polynomial,
     levitator_2dof_diagnostics_t *diagnostics)
 {
@@ -179,13 +169,7 @@ typedef struct {
     float i2_demand;
 } levitator_2dof_servo_x_output_t;
 
-/* servo_x: servo of x
- *     sum_next = limit((sum if started is set, else limit(sum + start_sum_from_x_held * x_held, 0.51)) -
- *         x_error + next_sum_from_i2_excess * i2_excess, 0.51)
- *     p1_next = limit(p1 + next_p1_from_q1 * q1 + next_p1_from_i2_excess * i2_excess, 0.014)
- *     q1_next = limit(next_q1_from_q1 * q1 - p1 - x_error + next_q1_from_i2_excess * i2_excess, 0.41)
- *     p2_next = limit(p2 + next_p2_from_q2 * q2 + next_p2_from_i2_excess * i2_excess, 0.073)
- *     q2_next = limit(next_q2_from_q2 * q2 - p2 - x_error + next_q2_from_i2_excess * i2_excess, 0.48) */
+/* servo_x: servo of x */
 LEVITATOR_2DOF_INLINE levitator_2dof_servo_x_output_t levitator_2dof_servo_x_output(levitator_2dof_servo_x_state_t
     *state, float x_held, float x_ref_held, levitator_2dof_diagnostics_t *diagnostics)
 {
@@ -257,8 +241,7 @@ typedef struct {
     float i2_excess;
 } levitator_2dof_limits_t;
 
-/* limits: actuator limits
- *     i1_excess = i1_computed - i1_demand; likewise i2_excess */
+/* limits: actuator limits */
 LEVITATOR_2DOF_INLINE levitator_2dof_limits_t levitator_2dof_limits(float i1_demand, float i2_demand,
     levitator_2dof_diagnostics_t *diagnostics)
 {
@@ -366,8 +349,7 @@ LEVITATOR_2DOF_INLINE uint32_t levitator_2dof_body(levitator_2dof_state_t *state
         state->guard.latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* errors: tracking errors
-         *     z_error = z_ref_held - z_held; likewise x_error */
+        /* errors: tracking errors */
         const float z_error = accepted.z_ref - accepted.z;
         const float x_error = accepted.x_ref - accepted.x;
         const levitator_2dof_servo_z_output_t servo_z_output = levitator_2dof_servo_z_output(&state->servo_z,
@@ -380,9 +362,7 @@ LEVITATOR_2DOF_INLINE uint32_t levitator_2dof_body(levitator_2dof_state_t *state
         const levitator_2dof_limits_t limits = levitator_2dof_limits(inverse_z.i1_demand, servo_x_output.i2_demand,
             diagnostics);
 
-        /* achieved_z: feedback linearisation of z
-         *     w_z_limited = 9.33333 * exp(200 * limit(z_predicted, 0.0006)) - 9.81 + 13.3333 * (exp(200 *
-         *         limit(z_predicted, 0.0006)) * i1_computed) */
+        /* achieved_z: feedback linearisation of z */
         const float w_z_limited = inverse_z.a + (13.333333f * (exp_2 * limits.i1_computed));
         state->safe_output_last_i1 = limits.i1_computed;
         out->i1 = limits.i1_computed;

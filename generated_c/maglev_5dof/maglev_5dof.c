@@ -131,8 +131,7 @@ typedef struct {
     float y4_expected;
 } maglev_5dof_gap_prediction_t;
 
-/* gap_prediction: gaps of the predicted pose, F(5)
- *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+/* gap_prediction: gaps of the predicted pose, F(5) */
 MAGLEV_5DOF_INLINE maglev_5dof_gap_prediction_t maglev_5dof_gap_prediction(float y_expected, float phi_expected,
     float theta_expected, maglev_5dof_diagnostics_t *diagnostics)
 {
@@ -155,12 +154,7 @@ typedef struct {
     bool tolerated;
 } maglev_5dof_guard_output_t;
 
-/* guard: range acceptance, hold, latch
- *     enough = sufficient if ready is set, else complete
- *     final = left <= good_per_bad
- *     latched = 1 if landed, else (guard_latched if enough is set, else (1 if final, else guard_latched))
- *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if final,
- *         else left - good_per_bad) */
+/* guard: range acceptance, hold, latch */
 MAGLEV_5DOF_INLINE maglev_5dof_guard_output_t maglev_5dof_guard_output(const maglev_5dof_guard_state_t *state,
     uint32_t latched, float missed_calls)
 {
@@ -181,23 +175,7 @@ typedef struct {
     bool same_y4;
 } maglev_5dof_redundancy_output_t;
 
-/* redundancy: parity, innovations, frozen codes
- *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
- *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
- *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
- *         score_y3, score_y4
- *     suspect_y1 = 0 if calm, else ((0 < undecided_0 if agrees, else 0 < isolated_y1 + waited) if whole,
- *         else 0 < excluded_y1 + doubted); likewise suspect_y2, suspect_y3, suspect_y4
- *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
- *         likewise suspect_z
- *     degraded = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else guard_ready
- *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
- *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
- *     excluded_y1_next = excluded_y1 if calm, else ((excluded_y1 if agrees, else left_out_now_y1) if
- *         whole, else excluded_y1 and not readmitted_y1); likewise excluded_y2_next, excluded_y3_next,
- *         excluded_y4_next
- *     contradictions_0_next = 0 if calm, else ((0 if agrees, else (contradictions_0 if most_contradictions
- *         <= contradictions_0, else contradictions_0 + 1)) if whole, else 0) */
+/* redundancy: parity, innovations, frozen codes */
 MAGLEV_5DOF_INLINE maglev_5dof_redundancy_output_t
     maglev_5dof_redundancy_output(const maglev_5dof_redundancy_state_t *state, uint32_t ready, bool complete,
     float y1_accepted, float y2_accepted, float y3_accepted, float y4_accepted, maglev_5dof_diagnostics_t *diagnostics)
@@ -252,8 +230,7 @@ typedef struct {
     bool believed;
 } maglev_5dof_monitor_output_t;
 
-/* x_monitor, z_monitor: frozen codes, jumps of the innovation
- *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
+/* x_monitor, z_monitor: frozen codes, jumps of the innovation */
 MAGLEV_5DOF_LARGE maglev_5dof_monitor_output_t maglev_5dof_monitor_output(const maglev_5dof_monitor_state_t *state,
     float expected, float accepted, bool in_time, uint32_t ready, bool unanswered, bool sound, bool good)
 {
@@ -279,17 +256,17 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_output_t maglev_5dof_monitor_output(const 
     bool far = false;
     bool believed = false;
     if (above_gate) {
-        const bool above_jump = jump < distance;
-        if (above_jump) {
+        const bool far_2 = jump < distance;
+        if (far_2) {
             const uint32_t jumps = state->jumps;
             const float growth = distance - fabsf(code - before);
-            const bool jumping_if_above_jump = (doubts_below_1 || (wide_jump < growth)) && in_time &&
-                (-travel < expected) && (expected < travel) && (-travel < code) && (code < travel);
-            jumping = (1u <= jumps) || (jumping_if_above_jump && !same);
+            const bool believed_2 = (doubts_below_1 || (wide_jump < growth)) && in_time && (-travel < expected) &&
+                (expected < travel) && (-travel < code) && (code < travel);
+            jumping = (1u <= jumps) || (believed_2 && !same);
             strayed = wide_frozen < growth;
-            believed = jumping_if_above_jump;
+            believed = believed_2;
         }
-        far = above_jump;
+        far = far_2;
     }
     uint32_t unchanged = 0u;
     float before_next_if_ready = before;
@@ -383,20 +360,7 @@ typedef struct {
     float rate;
 } maglev_5dof_observer_t;
 
-/* observer_x, observer_z: predictive observer, alpha-beta-gamma
- *     nu = x_held - q
- *     rate_ahead = x_rate + T * (g * delay_a_x_last + x_disturbance)
- *     same = x_trusted and 1 <= x_unchanged
- *     x_disturbance = (limit(d + gamma * nu, largest_disturbance) if x_trusted is set, else 0) if
- *         guard_ready is set, else 0
- *     x_estimate = q + alpha * nu if guard_ready is set, else x_held
- *     x_rate = (v + beta * nu if x_trusted is set, else v - (beta / gamma * (d - d_at_change) + T * gained
- *         if x_frozen is set, else 0)) if guard_ready is set, else 0
- *     q_next = limit(x_estimate + half_T * (x_rate + rate_ahead), largest_position)
- *     v_next = limit(rate_ahead, largest_rate)
- *     gained_next = gained_decay * gained + x_disturbance - d_at_change if same, else 0
- *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * nu, largest_disturbance))
- *         if x_trusted is set, else 0) if guard_ready is set, else 0), largest_gain), least_gain) */
+/* observer_x, observer_z: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_2_state_t *state, uint32_t ready,
     bool trusted, float held, uint32_t frozen, float a_before, uint32_t unchanged)
 {
@@ -555,12 +519,12 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
         const bool good_y4 = (complete_part & 0x00000008u) == 0u;
         const uint32_t excluded_y4 = state->excluded_y4;
         const bool usable_y4 = good_y4 && (excluded_y4 == 0u);
-        const bool suspect_y1_if_not_calm = usable_y1 && usable_y2 && usable_y3 && usable_y4;
+        const bool whole_2 = usable_y1 && usable_y2 && usable_y3 && usable_y4;
         const uint32_t undecided_0 = state->undecided_0;
-        if (suspect_y1_if_not_calm) {
-            const bool suspect_y1_test = agreement || (ready == 0u);
-            const bool suspect_y1_test_2 = undecided_0 == 0u;
-            if (suspect_y1_test) {
+        if (whole_2) {
+            const bool agrees_2 = agreement || (ready == 0u);
+            const bool decided_2 = undecided_0 == 0u;
+            if (agrees_2) {
                 const bool undecided_0_positive = undecided_0 != 0u;
                 suspect_y1 = undecided_0_positive;
                 suspect_y2 = undecided_0_positive;
@@ -574,15 +538,15 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
                 const float E_y2 = direction_y2_y4 * (y2_accepted - y2_expected);
                 const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
                 const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
-                const bool still_y1_next_at_least_3 = repeated_samples <= still_y1_next;
+                const bool repeats_y1_2 = repeated_samples <= still_y1_next;
                 const float least_E = candidate_part * size;
-                const bool candidate_y1 = still_y1_next_at_least_3 && (least_E < E_y1);
-                const bool still_y2_next_at_least_3 = repeated_samples <= still_y2_next;
-                const bool candidate_y2 = still_y2_next_at_least_3 && (least_E < E_y2);
-                const bool still_y3_next_at_least_3 = repeated_samples <= still_y3_next;
-                const bool candidate_y3 = still_y3_next_at_least_3 && (least_E < E_y3);
-                const bool still_y4_next_at_least_3 = repeated_samples <= still_y4_next;
-                const bool candidate_y4 = still_y4_next_at_least_3 && (least_E < E_y4);
+                const bool candidate_y1 = repeats_y1_2 && (least_E < E_y1);
+                const bool repeats_y2_2 = repeated_samples <= still_y2_next;
+                const bool candidate_y2 = repeats_y2_2 && (least_E < E_y2);
+                const bool repeats_y3_2 = repeated_samples <= still_y3_next;
+                const bool candidate_y3 = repeats_y3_2 && (least_E < E_y3);
+                const bool repeats_y4_2 = repeated_samples <= still_y4_next;
+                const bool candidate_y4 = repeats_y4_2 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
                     maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
                 const bool by_first_rule = candidates != 0u;
@@ -624,58 +588,58 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
                     maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)),
                     maglev_5dof_min(best_y3, score_y4));
                 const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) < (best - second)) &&
-                    (by_code || suspect_y1_test_2)) ? best : twice_preference;
-                const bool least_upto_score_y1 = least <= score_y1;
+                    (by_code || decided_2)) ? best : twice_preference;
+                const bool isolated_y1_2 = least <= score_y1;
                 const uint32_t contradictions_0 = state->contradictions_0;
-                const uint32_t suspect_y1_choice = (undecided_from <= contradictions_0) ? 1u : undecided_0;
-                suspect_y1 = (maglev_5dof_flag(least_upto_score_y1) + suspect_y1_choice) != 0u;
-                const bool least_upto_score_y2 = least <= score_y2;
-                suspect_y2 = (maglev_5dof_flag(least_upto_score_y2) + suspect_y1_choice) != 0u;
-                const bool least_upto_score_y3 = least <= score_y3;
-                suspect_y3 = (maglev_5dof_flag(least_upto_score_y3) + suspect_y1_choice) != 0u;
-                const bool least_upto_score_y4 = least <= score_y4;
-                suspect_y4 = (maglev_5dof_flag(least_upto_score_y4) + suspect_y1_choice) != 0u;
-                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? residual_0 : 0.0f),
+                const uint32_t waited_2 = (undecided_from <= contradictions_0) ? 1u : undecided_0;
+                suspect_y1 = (maglev_5dof_flag(isolated_y1_2) + waited_2) != 0u;
+                const bool isolated_y2_2 = least <= score_y2;
+                suspect_y2 = (maglev_5dof_flag(isolated_y2_2) + waited_2) != 0u;
+                const bool isolated_y3_2 = least <= score_y3;
+                suspect_y3 = (maglev_5dof_flag(isolated_y3_2) + waited_2) != 0u;
+                const bool isolated_y4_2 = least <= score_y4;
+                suspect_y4 = (maglev_5dof_flag(isolated_y4_2) + waited_2) != 0u;
+                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((isolated_y1_2) ? residual_0 : 0.0f),
                     highest_y1_y3), lowest_y1_y3);
-                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? residual_0 : 0.0f),
+                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((isolated_y2_2) ? residual_0 : 0.0f),
                     highest_y2_y4), lowest_y2_y4);
-                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? residual_0 : 0.0f),
+                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((isolated_y3_2) ? residual_0 : 0.0f),
                     highest_y1_y3), lowest_y1_y3);
-                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? residual_0 : 0.0f),
+                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((isolated_y4_2) ? residual_0 : 0.0f),
                     highest_y2_y4), lowest_y2_y4);
-                isolated_y1 = least_upto_score_y1;
-                isolated_y2 = least_upto_score_y2;
-                isolated_y3 = least_upto_score_y3;
-                isolated_y4 = least_upto_score_y4;
-                repeats_y1 = still_y1_next_at_least_3;
-                repeats_y2 = still_y2_next_at_least_3;
-                repeats_y3 = still_y3_next_at_least_3;
-                repeats_y4 = still_y4_next_at_least_3;
-                waited = suspect_y1_choice;
+                isolated_y1 = isolated_y1_2;
+                isolated_y2 = isolated_y2_2;
+                isolated_y3 = isolated_y3_2;
+                isolated_y4 = isolated_y4_2;
+                repeats_y1 = repeats_y1_2;
+                repeats_y2 = repeats_y2_2;
+                repeats_y3 = repeats_y3_2;
+                repeats_y4 = repeats_y4_2;
+                waited = waited_2;
             }
-            agrees = suspect_y1_test;
-            decided = suspect_y1_test_2;
+            agrees = agrees_2;
+            decided = decided_2;
         } else {
             const uint32_t stuck_0 = state->stuck_0;
-            const bool suspect_y1_test_3 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
-            const bool suspect_y1_test_4 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !same_y2 && good_y2;
-            const bool suspect_y1_test_5 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !same_y3 && good_y3;
-            const bool suspect_y1_test_6 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !same_y4 && good_y4;
-            const uint32_t suspect_y1_change = (suspect_y1_test_3 || suspect_y1_test_4 || suspect_y1_test_5 ||
-                suspect_y1_test_6) ? 1u : undecided_0;
-            suspect_y1 = (excluded_y1 + suspect_y1_change) != 0u;
-            suspect_y2 = (excluded_y2 + suspect_y1_change) != 0u;
-            suspect_y3 = (excluded_y3 + suspect_y1_change) != 0u;
-            suspect_y4 = (excluded_y4 + suspect_y1_change) != 0u;
+            const bool readmitted_y1_2 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
+            const bool readmitted_y2_2 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !same_y2 && good_y2;
+            const bool readmitted_y3_2 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !same_y3 && good_y3;
+            const bool readmitted_y4_2 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !same_y4 && good_y4;
+            const uint32_t doubted_2 = (readmitted_y1_2 || readmitted_y2_2 || readmitted_y3_2 || readmitted_y4_2) ? 1u :
+                undecided_0;
+            suspect_y1 = (excluded_y1 + doubted_2) != 0u;
+            suspect_y2 = (excluded_y2 + doubted_2) != 0u;
+            suspect_y3 = (excluded_y3 + doubted_2) != 0u;
+            suspect_y4 = (excluded_y4 + doubted_2) != 0u;
             const uint32_t missing = maglev_5dof_flag((usable_y1) ? false : true) + maglev_5dof_flag((usable_y2) ? false
                 : true) + maglev_5dof_flag((usable_y3) ? false : true) + maglev_5dof_flag((usable_y4) ? false : true);
             gaps_sufficient_if_ready = missing <= tolerated_missing;
-            const bool missing_at_most_1 = missing <= 1u;
+            const bool enough_2 = missing <= 1u;
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
             float predicted_y3 = y3_expected;
             float predicted_y4 = residual_0_sum;
-            if (missing_at_most_1) {
+            if (enough_2) {
                 predicted_y1 = y1_accepted - residual_0;
                 predicted_y2 = y2_accepted + residual_0;
                 predicted_y3 = y3_accepted - residual_0;
@@ -690,14 +654,14 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
                 lowest_y1_y3);
             y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted_y4, highest_y2_y4),
                 lowest_y2_y4);
-            readmitted_y1 = suspect_y1_test_3;
-            readmitted_y2 = suspect_y1_test_4;
-            readmitted_y3 = suspect_y1_test_5;
-            readmitted_y4 = suspect_y1_test_6;
-            doubted = suspect_y1_change;
-            enough = missing_at_most_1;
+            readmitted_y1 = readmitted_y1_2;
+            readmitted_y2 = readmitted_y2_2;
+            readmitted_y3 = readmitted_y3_2;
+            readmitted_y4 = readmitted_y4_2;
+            doubted = doubted_2;
+            enough = enough_2;
         }
-        whole = suspect_y1_if_not_calm;
+        whole = whole_2;
     }
     if (diagnostics != NULL) {
         diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
@@ -844,10 +808,7 @@ typedef struct {
     float theta;
 } maglev_5dof_kinematics_output_t;
 
-/* kinematics: pose from the gaps, F(5)
- *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
- *     phi = asin(1.25945 * (y3_held - y1_held))
- *     theta = asin(1.25945 * (y2_held - y4_held)) */
+/* kinematics: pose from the gaps, F(5) */
 MAGLEV_5DOF_INLINE maglev_5dof_kinematics_output_t maglev_5dof_kinematics_output(float y3_held, float y1_held,
     float y2_held, float y4_held, maglev_5dof_diagnostics_t *diagnostics)
 {
@@ -862,14 +823,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_kinematics_output_t maglev_5dof_kinematics_output
         .theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held)};
 }
 
-/* observer_phi: predictive observer, alpha-beta-gamma
- *     nu = phi - q
- *     rate_ahead = phi_rate + T * (delay_w_phi_last + phi_disturbance)
- *     phi_estimate = q + alpha * nu if guard_ready is set, else phi
- *     phi_rate = v + beta * nu if guard_ready is set, else 0
- *     phi_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
- *     q_next = limit(phi_estimate + half_T * (phi_rate + rate_ahead), largest_position)
- *     v_next = limit(rate_ahead, largest_rate) */
+/* observer_phi: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_INLINE void maglev_5dof_observer_phi(maglev_5dof_observer_state_t *state, uint32_t ready, float phi,
     float w_phi_before, maglev_5dof_diagnostics_t *diagnostics)
 {
@@ -909,8 +863,7 @@ typedef struct {
     float theta_rate_if_ready;
 } maglev_5dof_observer_theta_t;
 
-/* observer_theta: predictive observer, alpha-beta-gamma
- *     as observer_phi, with theta in place of phi */
+/* observer_theta: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_theta_t maglev_5dof_observer_theta(maglev_5dof_observer_state_t *state,
     uint32_t ready, float theta, float w_theta_before, maglev_5dof_diagnostics_t *diagnostics)
 {
@@ -964,14 +917,7 @@ typedef struct {
     float y_rate;
 } maglev_5dof_observer_y_t;
 
-/* observer_y: predictive observer, alpha-beta-gamma
- *     nu = y - q
- *     rate_ahead = y_rate + T * (delay_w_y_last + y_disturbance)
- *     y_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
- *     y_estimate = q + alpha * nu if guard_ready is set, else y
- *     y_rate = v + beta * nu if guard_ready is set, else 0
- *     q_next = max(min(y_estimate + half_T * (y_rate + rate_ahead), largest_position), least_position)
- *     v_next = limit(rate_ahead, largest_rate) */
+/* observer_y: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_y_t maglev_5dof_observer_y(maglev_5dof_observer_state_t *state, uint32_t ready,
     float y, float w_y_before, maglev_5dof_diagnostics_t *diagnostics)
 {
@@ -1016,9 +962,7 @@ typedef struct {
     float e_theta;
 } maglev_5dof_errors_t;
 
-/* errors: tracking errors, F(14)
- *     e_y = y - y_ref_held; likewise e_phi, e_theta
- *     e_x = x_held - x_ref_held; likewise e_z */
+/* errors: tracking errors, F(14) */
 MAGLEV_5DOF_INLINE maglev_5dof_errors_t maglev_5dof_errors(float y, float y_ref_held, float x_held, float x_ref_held,
     float z_held, float z_ref_held, float phi, float phi_ref_held, float theta, float theta_ref_held,
     maglev_5dof_diagnostics_t *diagnostics)
@@ -1035,9 +979,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_errors_t maglev_5dof_errors(float y, float y_ref_
 }
 
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
- * de_y = h * r_next with h = 264.241 1/s; a gain on it is printed times h.
- *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
- *     r_next = fade * r + s_next + rho * s */
+ * de_y = h * r_next with h = 264.241 1/s; a gain on it is printed times h. */
 MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, uint32_t ready, float e)
 {
     static const float fade = 0.36787945f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
@@ -1064,11 +1006,7 @@ typedef struct {
     float k_q1;                         /* 1/s^2; F(14)-(16): gain on q1 */
 } maglev_5dof_regulator_parameters_t;
 
-/* regulator_y, regulator_phi, regulator_theta: F(14)-(16)
- *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
- *     sum_next = sum + e_y if |sum + e_y| <= bound, else sum
- *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= p1_bound, else p1
- *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= bound, else q1 */
+/* regulator_y, regulator_phi, regulator_theta: F(14)-(16) */
 MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *state,
     const maglev_5dof_regulator_parameters_t *parameters, float e, float filter_r_next)
 {
@@ -1124,8 +1062,7 @@ typedef struct {
     float z_commutation;
 } maglev_5dof_angles_t;
 
-/* angles: positions for the commutation
- *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
+/* angles: positions for the commutation */
 MAGLEV_5DOF_INLINE maglev_5dof_angles_t maglev_5dof_angles(uint32_t latched, bool lost_x, float x_held, bool lost_z,
     float z_held)
 {
@@ -1135,14 +1072,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_angles_t maglev_5dof_angles(uint32_t latched, boo
         .z_commutation = ((latched != 0u) && lost_z) ? not_known : z_held};
 }
 
-/* regulator_x, regulator_z: F(14)-(17)
- *     w_x_tracking = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
- *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= bound, else
- *         sum
- *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= p1_bound,
- *         else p1
- *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
- *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= bound, else q1 */
+/* regulator_x, regulator_z: F(14)-(17) */
 MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulator_state_t *state, float e,
     float filter_r_next)
 {
@@ -1166,31 +1096,7 @@ typedef struct {
 } maglev_5dof_landing_t;
 
 /* landing: ramps and state feedback
- * No integrator takes part, so nothing winds up: the disturbance of the observer does its work.
- *     waiting = not regular and guard_ready
- *     levelling_pole_theta = pole_theta if theta_measured is set, else predicted_pole_theta
- *     damping_theta = 2 * (levelling_pole_theta * (observer_theta_v + observer_theta_beta * (theta -
- *         observer_theta_q))) if guard_ready is set, else 0
- *     w_theta = -(levelling_pole_theta^2 * theta_estimate + damping_theta + theta_disturbance) if
- *         landing_next is set, else w_theta_tracking
- *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
- *     ramp_rate_next_y = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
- *         acceleration_step_y)
- *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
- *         (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance if landing_next is set, else
- *         w_y_tracking
- *     ramp_rate_next_x = max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step);
- *         likewise ramp_rate_next_z
- *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
- *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
- *         w_x_tracking; likewise w_z_unprobed
- *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if waiting, else (left if
- *         landing_patience <= left, else left + 1)
- *     landing_next = 1 if waiting and left <= good_per_bad, else landing
- *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -0.5) if landing
- *         is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
- *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), 0.5) if landing is set, else
- *         x_estimate) if landing_next is set, else r_x; likewise r_z_next */
+ * No integrator takes part, so nothing winds up: the disturbance of the observer does its work. */
 MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_state_t *state, bool regular,
     uint32_t ready, float phi, float w_phi_tracking, bool theta_measured, float theta_rate_if_ready,
     float theta_estimate, float theta_disturbance, float w_theta_tracking, float y_estimate, float y_rate,
@@ -1306,16 +1212,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_
         .w_z_unprobed = w_z_unprobed, .landing_next = landing_2};
 }
 
-/* probe_x, probe_z: probe at rest
- *     runs = 1 <= sample
- *     active = runs or quiet_samples <= x_unchanged
- *     one_more = attempt + 1
- *     ends = pair_samples <= sample
- *     sample_next = ((0 if ends, else sample + 1) if runs, else free) if active, else 0
- *     attempt_next = ((((attempt if x_unanswered, else one_more) if pair_samples <= x_unchanged, else 0)
- *         if ends, else attempt) if runs, else attempt) if active, else 0
- *     towards_next = (towards if runs, else (-first_push if 0 < e_x, else first_push)) if active, else
- *         towards */
+/* probe_x, probe_z: probe at rest */
 MAGLEV_5DOF_INLINE float maglev_5dof_probe(maglev_5dof_probe_state_t *state, uint32_t unchanged, float w_unprobed,
     bool free, float e)
 {
@@ -1372,28 +1269,7 @@ typedef struct {
     float excess_z;
 } maglev_5dof_decoupling_t;
 
-/* decoupling: direct and thrust currents, F(8), F(12)
- *     thrust_per_ampere_1 = 35.0903 * ((1 - 0.00211667 / (y1_held + 0.00635 + 0.005)) / (0.01905 /
- *         (0.01905 - 1.27324 * (y1_held * (0.00635 / y1_held * atan(0.00635 / y1_held) - log(sqrt(1 +
- *         (0.00635 / y1_held)^2))))) * sinh(54.971 * (0.005 + y1_held)))); likewise thrust_per_ampere_2,
- *         thrust_per_ampere_3, thrust_per_ampere_4
- *     half_a_over_h2_1 = 0.0701829 * (0.01905 / (0.01905 - 1.27324 * (y1_held * (0.00635 / y1_held *
- *         atan(0.00635 / y1_held) - log(sqrt(1 + (0.00635 / y1_held)^2))))))^2 / (1 - 0.00211667 /
- *         (y1_held + 0.00635 + 0.005)); likewise half_a_over_h2_2, half_a_over_h2_3, half_a_over_h2_4
- *     half_c_1 = thrust_per_ampere_1^2 * (half_c_over_h2 + slot_pull / (y1_held + gap_offset)); likewise
- *         half_c_2, half_c_3, half_c_4
- *     half_load_1 = half_a_1 + half_c_1 * (safe_output_last_u_z^2 + safe_output_last_i_d1^2); likewise
- *         half_load_2, half_load_3, half_load_4
- *     inverse_b_1 = 1 / sqrt(thrust_per_ampere_1^2 + discriminant_factor * (half_a_1 * half_c_1));
- *         likewise inverse_b_2, inverse_b_3, inverse_b_4
- *     half_force = half_M_y * (w_y - G) + half_load_1 + half_load_2 + half_load_3 + half_load_4
- *     half_force_phi = half_I_over_r * (w_phi + compensated_k_s_phi * phi) + half_load_3 - half_load_1;
- *         likewise half_force_theta
- *     half_force_1_3 = ((inverse_b_2 + inverse_b_4) * half_force + (inverse_b_2 - inverse_b_4) *
- *         half_force_theta - (inverse_b_3 - inverse_b_1) * half_force_phi) / (inverse_b_1 + inverse_b_3 +
- *         inverse_b_2 + inverse_b_4)
- *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
- *         i_d4_balanced^2))); likewise u_z_computed */
+/* decoupling: direct and thrust currents, F(8), F(12) */
 MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(float y1_held, float u_z_before, float i_d1_before,
     float y2_held, float u_x_before, float i_d2_before, float y3_held, float i_d3_before, float y4_held,
     float i_d4_before, float w_y, float w_phi, float phi, float w_theta, float theta, float w_x, float w_z,
@@ -1536,12 +1412,7 @@ typedef struct {
  * Without the direct currents along X the guide spring alone holds theta. At gaps below held_by_spring it is weaker
  * than the magnets, so there the handover along X waits for the landing to lower the platen.
  * The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut at once,
- * at most from 3.5 A to 1.45 A beside 3.5 A of thrust.
- *     faded_transfer = max(min(target, transfer + fade_step), transfer - fade_step)
- *     i_d1_computed = (1 - part_z) * limit(i_d1_balanced + handed_z, room_z) if not x_trusted or not
- *         z_trusted or 0 < transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed,
- *         i_d4_computed
- *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
+ * at most from 3.5 A to 1.45 A beside 3.5 A of thrust. */
 MAGLEV_5DOF_INLINE maglev_5dof_handover_t maglev_5dof_handover(maglev_5dof_handover_state_t *state, bool lost_x,
     bool lost_z, float y_expected, bool x_trusted, bool z_trusted, float i_d1_balanced, float i_d3_balanced,
     float u_x_computed, float i_d2_balanced, float i_d4_balanced, float u_z_computed)
@@ -1585,8 +1456,7 @@ typedef struct {
     float a_z;
 } maglev_5dof_accelerations_t;
 
-/* accelerations: F(6)
- *     a_x = -inverse_M_x * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)); likewise a_z */
+/* accelerations: F(6) */
 MAGLEV_5DOF_INLINE maglev_5dof_accelerations_t maglev_5dof_accelerations(float u_x_computed, float h_x,
     float u_z_computed, float h_z, maglev_5dof_diagnostics_t *diagnostics)
 {
@@ -1696,8 +1566,7 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
     const uint32_t landing_landing_2 = state->landing.landing;
     const bool landed = (landing_landing_2 != 0u) && (landed_at <= state->landing.r_y);
 
-    /* sufficiency: it can land, is probed
-     *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
+    /* sufficiency: it can land, is probed */
     const bool sufficient = redundancy_output_2.gaps_sufficient &&
         (x_monitor_output.trusted || z_monitor_output.trusted);
     const maglev_5dof_guard_update_t guard_update = maglev_5dof_guard_update(&state->guard, landed, sufficient,

@@ -136,8 +136,7 @@ typedef struct {
     float y4_expected;
 } maglev_5dof_precise_gap_prediction_t;
 
-/* gap_prediction: gaps of the predicted pose, F(5)
- *     y1_expected = observer_y_q - r * observer_phi_q; likewise y4_expected */
+/* gap_prediction: gaps of the predicted pose, F(5) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_gap_prediction_t maglev_5dof_precise_gap_prediction(float y_expected,
     float phi_expected, float theta_expected, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
@@ -160,12 +159,7 @@ typedef struct {
     bool tolerated;
 } maglev_5dof_precise_guard_output_t;
 
-/* guard: range acceptance, hold, latch
- *     enough = sufficient if ready is set, else complete
- *     final = left <= good_per_bad
- *     latched = 1 if landed, else (guard_latched if enough is set, else (1 if final, else guard_latched))
- *     left_next = (left if latch_samples <= left, else left + 1) if enough is set, else (left if final,
- *         else left - good_per_bad) */
+/* guard: range acceptance, hold, latch */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_guard_output_t maglev_5dof_precise_guard_output(const
     maglev_5dof_precise_guard_state_t *state, uint32_t latched, float missed_calls)
 {
@@ -186,23 +180,7 @@ typedef struct {
     bool same_y4;
 } maglev_5dof_precise_redundancy_output_t;
 
-/* redundancy: parity, innovations, frozen codes
- *     E_y1 = (1 if 0 < residual_0, else -1) * (y1_accepted - y1_expected); likewise E_y3
- *     E_y2 = (-1 if 0 < residual_0, else 1) * (y2_accepted - y2_expected); likewise E_y4
- *     score_y1 = E_y1 + preference * (candidate_y1 - by_first_rule + preferred_y1); likewise score_y2,
- *         score_y3, score_y4
- *     suspect_y1 = 0 if calm, else ((0 < undecided_0 if agrees, else 0 < isolated_y1 + waited) if whole,
- *         else 0 < excluded_y1 + doubted); likewise suspect_y2, suspect_y3, suspect_y4
- *     suspect_x = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else x_suspect;
- *         likewise suspect_z
- *     degraded = 0 if sound and |residual_0| <= threshold_0 and x_usual and z_usual, else guard_ready
- *     still_y1_next = (still_y1 if still_samples <= still_y1, else still_y1 + 1) if y1_accepted ==
- *         code_y1, else 0; likewise still_y2_next, still_y3_next, still_y4_next
- *     excluded_y1_next = excluded_y1 if calm, else ((excluded_y1 if agrees, else left_out_now_y1) if
- *         whole, else excluded_y1 and not readmitted_y1); likewise excluded_y2_next, excluded_y3_next,
- *         excluded_y4_next
- *     contradictions_0_next = 0 if calm, else ((0 if agrees, else (contradictions_0 if most_contradictions
- *         <= contradictions_0, else contradictions_0 + 1)) if whole, else 0) */
+/* redundancy: parity, innovations, frozen codes */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_redundancy_output_t maglev_5dof_precise_redundancy_output(const
     maglev_5dof_precise_redundancy_state_t *state, uint32_t ready, bool complete, float y1_accepted, float y2_accepted,
     float y3_accepted, float y4_accepted, maglev_5dof_precise_diagnostics_t *diagnostics)
@@ -257,8 +235,7 @@ typedef struct {
     bool believed;
 } maglev_5dof_precise_monitor_output_t;
 
-/* x_monitor, z_monitor: frozen codes, jumps of the innovation
- *     x_unchanged = (still if most_unchanged <= still, else still + 1) if x_accepted == code, else 0 */
+/* x_monitor, z_monitor: frozen codes, jumps of the innovation */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_output_t
     maglev_5dof_precise_monitor_output(const maglev_5dof_precise_monitor_state_t *state, float expected, float accepted,
     bool in_time, uint32_t ready, bool unanswered, bool sound, bool good)
@@ -285,17 +262,17 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_output_t
     bool far = false;
     bool believed = false;
     if (above_gate) {
-        const bool above_jump = jump < distance;
-        if (above_jump) {
+        const bool far_2 = jump < distance;
+        if (far_2) {
             const uint32_t jumps = state->jumps;
             const float growth = distance - fabsf(code - before);
-            const bool jumping_if_above_jump = (doubts_below_1 || (wide_jump < growth)) && in_time &&
-                (-travel < expected) && (expected < travel) && (-travel < code) && (code < travel);
-            jumping = (1u <= jumps) || (jumping_if_above_jump && !same);
+            const bool believed_2 = (doubts_below_1 || (wide_jump < growth)) && in_time && (-travel < expected) &&
+                (expected < travel) && (-travel < code) && (code < travel);
+            jumping = (1u <= jumps) || (believed_2 && !same);
             strayed = wide_frozen < growth;
-            believed = jumping_if_above_jump;
+            believed = believed_2;
         }
-        far = above_jump;
+        far = far_2;
     }
     uint32_t unchanged = 0u;
     float before_next_if_ready = before;
@@ -389,20 +366,7 @@ typedef struct {
     float rate;
 } maglev_5dof_precise_observer_t;
 
-/* observer_x, observer_z: predictive observer, alpha-beta-gamma
- *     nu = x_held - q
- *     rate_ahead = x_rate + T * (g * delay_a_x_last + x_disturbance)
- *     same = x_trusted and 1 <= x_unchanged
- *     x_disturbance = (limit(d + gamma * nu, largest_disturbance) if x_trusted is set, else 0) if
- *         guard_ready is set, else 0
- *     x_estimate = q + alpha * nu if guard_ready is set, else x_held
- *     x_rate = (v + beta * nu if x_trusted is set, else v - (beta / gamma * (d - d_at_change) + T * gained
- *         if x_frozen is set, else 0)) if guard_ready is set, else 0
- *     q_next = limit(x_estimate + half_T * (x_rate + rate_ahead), largest_position)
- *     v_next = limit(rate_ahead, largest_rate)
- *     gained_next = gained_decay * gained + x_disturbance - d_at_change if same, else 0
- *     g_next = max(min(g + ((learning_step * (delay_a_x_last * limit(d + gamma * nu, largest_disturbance))
- *         if x_trusted is set, else 0) if guard_ready is set, else 0), largest_gain), least_gain) */
+/* observer_x, observer_z: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     maglev_5dof_precise_observer(maglev_5dof_precise_observer_2_state_t *state, uint32_t ready, bool trusted,
     float held, uint32_t frozen, float a_before, uint32_t unchanged)
@@ -563,12 +527,12 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
         const bool good_y4 = (complete_part & 0x00000008u) == 0u;
         const uint32_t excluded_y4 = state->excluded_y4;
         const bool usable_y4 = good_y4 && (excluded_y4 == 0u);
-        const bool suspect_y1_if_not_calm = usable_y1 && usable_y2 && usable_y3 && usable_y4;
+        const bool whole_2 = usable_y1 && usable_y2 && usable_y3 && usable_y4;
         const uint32_t undecided_0 = state->undecided_0;
-        if (suspect_y1_if_not_calm) {
-            const bool suspect_y1_test = agreement || (ready == 0u);
-            const bool suspect_y1_test_2 = undecided_0 == 0u;
-            if (suspect_y1_test) {
+        if (whole_2) {
+            const bool agrees_2 = agreement || (ready == 0u);
+            const bool decided_2 = undecided_0 == 0u;
+            if (agrees_2) {
                 const bool undecided_0_positive = undecided_0 != 0u;
                 suspect_y1 = undecided_0_positive;
                 suspect_y2 = undecided_0_positive;
@@ -582,15 +546,15 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
                 const float E_y2 = direction_y2_y4 * (y2_accepted - y2_expected);
                 const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
                 const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
-                const bool still_y1_next_at_least_3 = repeated_samples <= still_y1_next;
+                const bool repeats_y1_2 = repeated_samples <= still_y1_next;
                 const float least_E = candidate_part * size;
-                const bool candidate_y1 = still_y1_next_at_least_3 && (least_E < E_y1);
-                const bool still_y2_next_at_least_3 = repeated_samples <= still_y2_next;
-                const bool candidate_y2 = still_y2_next_at_least_3 && (least_E < E_y2);
-                const bool still_y3_next_at_least_3 = repeated_samples <= still_y3_next;
-                const bool candidate_y3 = still_y3_next_at_least_3 && (least_E < E_y3);
-                const bool still_y4_next_at_least_3 = repeated_samples <= still_y4_next;
-                const bool candidate_y4 = still_y4_next_at_least_3 && (least_E < E_y4);
+                const bool candidate_y1 = repeats_y1_2 && (least_E < E_y1);
+                const bool repeats_y2_2 = repeated_samples <= still_y2_next;
+                const bool candidate_y2 = repeats_y2_2 && (least_E < E_y2);
+                const bool repeats_y3_2 = repeated_samples <= still_y3_next;
+                const bool candidate_y3 = repeats_y3_2 && (least_E < E_y3);
+                const bool repeats_y4_2 = repeated_samples <= still_y4_next;
+                const bool candidate_y4 = repeats_y4_2 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_precise_flag(candidate_y1) +
                     maglev_5dof_precise_flag(candidate_y2) + maglev_5dof_precise_flag(candidate_y3) +
                     maglev_5dof_precise_flag(candidate_y4);
@@ -633,59 +597,59 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
                     maglev_5dof_precise_min(best_y1, score_y2)), maglev_5dof_precise_min(best_y2, score_y3));
                 const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) <
                     (best - maglev_5dof_precise_max(second_y3, maglev_5dof_precise_min(best_y3, score_y4)))) &&
-                    (by_code || suspect_y1_test_2)) ? best : twice_preference;
-                const bool least_upto_score_y1 = least <= score_y1;
+                    (by_code || decided_2)) ? best : twice_preference;
+                const bool isolated_y1_2 = least <= score_y1;
                 const uint32_t contradictions_0 = state->contradictions_0;
-                const uint32_t suspect_y1_choice = (undecided_from <= contradictions_0) ? 1u : undecided_0;
-                suspect_y1 = (maglev_5dof_precise_flag(least_upto_score_y1) + suspect_y1_choice) != 0u;
-                const bool least_upto_score_y2 = least <= score_y2;
-                suspect_y2 = (maglev_5dof_precise_flag(least_upto_score_y2) + suspect_y1_choice) != 0u;
-                const bool least_upto_score_y3 = least <= score_y3;
-                suspect_y3 = (maglev_5dof_precise_flag(least_upto_score_y3) + suspect_y1_choice) != 0u;
-                const bool least_upto_score_y4 = least <= score_y4;
-                suspect_y4 = (maglev_5dof_precise_flag(least_upto_score_y4) + suspect_y1_choice) != 0u;
+                const uint32_t waited_2 = (undecided_from <= contradictions_0) ? 1u : undecided_0;
+                suspect_y1 = (maglev_5dof_precise_flag(isolated_y1_2) + waited_2) != 0u;
+                const bool isolated_y2_2 = least <= score_y2;
+                suspect_y2 = (maglev_5dof_precise_flag(isolated_y2_2) + waited_2) != 0u;
+                const bool isolated_y3_2 = least <= score_y3;
+                suspect_y3 = (maglev_5dof_precise_flag(isolated_y3_2) + waited_2) != 0u;
+                const bool isolated_y4_2 = least <= score_y4;
+                suspect_y4 = (maglev_5dof_precise_flag(isolated_y4_2) + waited_2) != 0u;
                 y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
-                    ((least_upto_score_y1) ? residual_0 : 0.0f), highest_y1_y3), lowest_y1_y3);
+                    ((isolated_y1_2) ? residual_0 : 0.0f), highest_y1_y3), lowest_y1_y3);
                 y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted +
-                    ((least_upto_score_y2) ? residual_0 : 0.0f), highest_y2_y4), lowest_y2_y4);
+                    ((isolated_y2_2) ? residual_0 : 0.0f), highest_y2_y4), lowest_y2_y4);
                 y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted -
-                    ((least_upto_score_y3) ? residual_0 : 0.0f), highest_y1_y3), lowest_y1_y3);
+                    ((isolated_y3_2) ? residual_0 : 0.0f), highest_y1_y3), lowest_y1_y3);
                 y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
-                    ((least_upto_score_y4) ? residual_0 : 0.0f), highest_y2_y4), lowest_y2_y4);
-                isolated_y1 = least_upto_score_y1;
-                isolated_y2 = least_upto_score_y2;
-                isolated_y3 = least_upto_score_y3;
-                isolated_y4 = least_upto_score_y4;
-                repeats_y1 = still_y1_next_at_least_3;
-                repeats_y2 = still_y2_next_at_least_3;
-                repeats_y3 = still_y3_next_at_least_3;
-                repeats_y4 = still_y4_next_at_least_3;
-                waited = suspect_y1_choice;
+                    ((isolated_y4_2) ? residual_0 : 0.0f), highest_y2_y4), lowest_y2_y4);
+                isolated_y1 = isolated_y1_2;
+                isolated_y2 = isolated_y2_2;
+                isolated_y3 = isolated_y3_2;
+                isolated_y4 = isolated_y4_2;
+                repeats_y1 = repeats_y1_2;
+                repeats_y2 = repeats_y2_2;
+                repeats_y3 = repeats_y3_2;
+                repeats_y4 = repeats_y4_2;
+                waited = waited_2;
             }
-            agrees = suspect_y1_test;
-            decided = suspect_y1_test_2;
+            agrees = agrees_2;
+            decided = decided_2;
         } else {
             const uint32_t stuck_0 = state->stuck_0;
-            const bool suspect_y1_test_3 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
-            const bool suspect_y1_test_4 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !same_y2 && good_y2;
-            const bool suspect_y1_test_5 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !same_y3 && good_y3;
-            const bool suspect_y1_test_6 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !same_y4 && good_y4;
-            const uint32_t suspect_y1_change = (suspect_y1_test_3 || suspect_y1_test_4 || suspect_y1_test_5 ||
-                suspect_y1_test_6) ? 1u : undecided_0;
-            suspect_y1 = (excluded_y1 + suspect_y1_change) != 0u;
-            suspect_y2 = (excluded_y2 + suspect_y1_change) != 0u;
-            suspect_y3 = (excluded_y3 + suspect_y1_change) != 0u;
-            suspect_y4 = (excluded_y4 + suspect_y1_change) != 0u;
+            const bool readmitted_y1_2 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
+            const bool readmitted_y2_2 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !same_y2 && good_y2;
+            const bool readmitted_y3_2 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !same_y3 && good_y3;
+            const bool readmitted_y4_2 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !same_y4 && good_y4;
+            const uint32_t doubted_2 = (readmitted_y1_2 || readmitted_y2_2 || readmitted_y3_2 || readmitted_y4_2) ? 1u :
+                undecided_0;
+            suspect_y1 = (excluded_y1 + doubted_2) != 0u;
+            suspect_y2 = (excluded_y2 + doubted_2) != 0u;
+            suspect_y3 = (excluded_y3 + doubted_2) != 0u;
+            suspect_y4 = (excluded_y4 + doubted_2) != 0u;
             const uint32_t missing = maglev_5dof_precise_flag((usable_y1) ? false : true) +
                 maglev_5dof_precise_flag((usable_y2) ? false : true) + maglev_5dof_precise_flag((usable_y3) ? false :
                 true) + maglev_5dof_precise_flag((usable_y4) ? false : true);
             gaps_sufficient_if_ready = missing <= tolerated_missing;
-            const bool missing_at_most_1 = missing <= 1u;
+            const bool enough_2 = missing <= 1u;
             float predicted_y1 = y1_expected;
             float predicted_y2 = y2_expected;
             float predicted_y3 = y3_expected;
             float predicted_y4 = residual_0_sum;
-            if (missing_at_most_1) {
+            if (enough_2) {
                 predicted_y1 = y1_accepted - residual_0;
                 predicted_y2 = y2_accepted + residual_0;
                 predicted_y3 = y3_accepted - residual_0;
@@ -700,14 +664,14 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
                 highest_y1_y3), lowest_y1_y3);
             y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y4) ? y4_accepted : predicted_y4,
                 highest_y2_y4), lowest_y2_y4);
-            readmitted_y1 = suspect_y1_test_3;
-            readmitted_y2 = suspect_y1_test_4;
-            readmitted_y3 = suspect_y1_test_5;
-            readmitted_y4 = suspect_y1_test_6;
-            doubted = suspect_y1_change;
-            enough = missing_at_most_1;
+            readmitted_y1 = readmitted_y1_2;
+            readmitted_y2 = readmitted_y2_2;
+            readmitted_y3 = readmitted_y3_2;
+            readmitted_y4 = readmitted_y4_2;
+            doubted = doubted_2;
+            enough = enough_2;
         }
-        whole = suspect_y1_if_not_calm;
+        whole = whole_2;
     }
     if (diagnostics != NULL) {
         diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
@@ -855,10 +819,7 @@ typedef struct {
     float theta;
 } maglev_5dof_precise_kinematics_output_t;
 
-/* kinematics: pose from the gaps, F(5)
- *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
- *     phi = asin(1.25945 * (y3_held - y1_held))
- *     theta = asin(1.25945 * (y2_held - y4_held)) */
+/* kinematics: pose from the gaps, F(5) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_kinematics_output_t maglev_5dof_precise_kinematics_output(float y3_held,
     float y1_held, float y2_held, float y4_held, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
@@ -873,14 +834,7 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_kinematics_output_t maglev_5dof_p
         .theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held)};
 }
 
-/* observer_phi: predictive observer, alpha-beta-gamma
- *     nu = phi - q
- *     rate_ahead = phi_rate + T * (delay_w_phi_last + phi_disturbance)
- *     phi_estimate = q + alpha * nu if guard_ready is set, else phi
- *     phi_rate = v + beta * nu if guard_ready is set, else 0
- *     phi_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
- *     q_next = limit(phi_estimate + half_T * (phi_rate + rate_ahead), largest_position)
- *     v_next = limit(rate_ahead, largest_rate) */
+/* observer_phi: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_PRECISE_INLINE void maglev_5dof_precise_observer_phi(maglev_5dof_precise_observer_state_t *state,
     uint32_t ready, float phi, float w_phi_before, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
@@ -920,8 +874,7 @@ typedef struct {
     float theta_rate_if_ready;
 } maglev_5dof_precise_observer_theta_t;
 
-/* observer_theta: predictive observer, alpha-beta-gamma
- *     as observer_phi, with theta in place of phi */
+/* observer_theta: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_theta_t
     maglev_5dof_precise_observer_theta(maglev_5dof_precise_observer_state_t *state, uint32_t ready, float theta,
     float w_theta_before, maglev_5dof_precise_diagnostics_t *diagnostics)
@@ -976,14 +929,7 @@ typedef struct {
     float y_rate;
 } maglev_5dof_precise_observer_y_t;
 
-/* observer_y: predictive observer, alpha-beta-gamma
- *     nu = y - q
- *     rate_ahead = y_rate + T * (delay_w_y_last + y_disturbance)
- *     y_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
- *     y_estimate = q + alpha * nu if guard_ready is set, else y
- *     y_rate = v + beta * nu if guard_ready is set, else 0
- *     q_next = max(min(y_estimate + half_T * (y_rate + rate_ahead), largest_position), least_position)
- *     v_next = limit(rate_ahead, largest_rate) */
+/* observer_y: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_y_t
     maglev_5dof_precise_observer_y(maglev_5dof_precise_observer_state_t *state, uint32_t ready, float y,
     float w_y_before, maglev_5dof_precise_diagnostics_t *diagnostics)
@@ -1029,9 +975,7 @@ typedef struct {
     float e_theta;
 } maglev_5dof_precise_errors_t;
 
-/* errors: tracking errors, F(14)
- *     e_y = y - y_ref_held; likewise e_phi, e_theta
- *     e_x = x_held - x_ref_held; likewise e_z */
+/* errors: tracking errors, F(14) */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_errors_t maglev_5dof_precise_errors(float y, float y_ref_held,
     float x_held, float x_ref_held, float z_held, float z_ref_held, float phi, float phi_ref_held, float theta,
     float theta_ref_held, maglev_5dof_precise_diagnostics_t *diagnostics)
@@ -1053,15 +997,7 @@ typedef struct {
     float value;
 } maglev_5dof_precise_observer_y_fast_t;
 
-/* observer_y_fast: predictive observer, alpha-beta-gamma
- *     nu = y - q
- *     rate_ahead = y_fast_rate + T * (delay_w_y_last + y_fast_disturbance)
- *     y_fast_estimate = q + alpha * nu if guard_ready is set, else y
- *     y_fast_rate = v + beta * nu if guard_ready is set, else 0
- *     y_fast_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
- *     y_fast_ahead = max(min(y_fast_estimate + half_T * (y_fast_rate + rate_ahead), largest_position),
- *         least_position)
- *     y_fast_rate_ahead = limit(rate_ahead, largest_rate) */
+/* observer_y_fast: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_y_fast_t
     maglev_5dof_precise_observer_y_fast(maglev_5dof_precise_observer_state_t *state, uint32_t ready, float y,
     float w_y_before, maglev_5dof_precise_diagnostics_t *diagnostics)
@@ -1123,9 +1059,7 @@ typedef struct {
     float largest_error;                /* m; a larger error counts as this in the internal models */
 } maglev_5dof_precise_servo_fast_parameters_t;
 
-/* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models; the numbers are
- * those of servo_y_fast
- *     r_next = y_ref_held */
+/* servo_y_fast, servo_x_fast, servo_z_fast, servo_theta_fast: predictive servo with internal models */
 MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_precise_servo_fast_state_t *state,
     const maglev_5dof_precise_servo_fast_parameters_t *parameters, float fast_ahead, float ref_held,
     float fast_rate_ahead, uint32_t ready, float w_y_tracking_choice, float e)
@@ -1206,15 +1140,7 @@ typedef struct {
     float value;
 } maglev_5dof_precise_observer_fast_t;
 
-/* observer_x_fast, observer_z_fast, observer_phi_fast, observer_theta_fast: predictive observer, alpha-beta-gamma;
- * the numbers are those of observer_x_fast
- *     nu = x_held - q
- *     rate_ahead = x_fast_rate + T * (delay_a_x_last + x_fast_disturbance)
- *     x_fast_estimate = q + alpha * nu if guard_ready is set, else x_held
- *     x_fast_rate = v + beta * nu if guard_ready is set, else 0
- *     x_fast_disturbance = limit(d + gamma * nu, largest_disturbance) if guard_ready is set, else 0
- *     x_fast_ahead = limit(x_fast_estimate + half_T * (x_fast_rate + rate_ahead), largest_position)
- *     x_fast_rate_ahead = limit(rate_ahead, largest_rate) */
+/* observer_x_fast, observer_z_fast, observer_phi_fast, observer_theta_fast: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_fast_t
     maglev_5dof_precise_observer_fast(maglev_5dof_precise_observer_state_t *state, const
     maglev_5dof_precise_observer_fast_parameters_t *parameters, uint32_t ready, float x_held_if_not_ready, float before)
@@ -1244,12 +1170,7 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_fast_t
     return (maglev_5dof_precise_observer_fast_t){.fast_ahead = state->q, .fast_rate_ahead = state->v, .value = value};
 }
 
-/* servo_phi_fast: predictive servo with internal models
- *     e = limit(e_phi, largest)
- *     inside = (sum + e)^2 + (p1 + c1 * q1)^2 + (q1 - (p1 + c1 * q1) + e)^2 <= 16
- *     sum_next = sum + e if inside, else sum
- *     p1_next = p1 + c1 * q1 if inside, else p1
- *     q1_next = q1 - (p1 + c1 * q1) + e if inside, else q1 */
+/* servo_phi_fast: predictive servo with internal models */
 MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_phi_fast(maglev_5dof_precise_servo_phi_fast_state_t *state,
     float phi_fast_ahead, float phi_ref_held, float phi_fast_rate_ahead, uint32_t ready, float w_phi_tracking_choice,
     float e_phi, maglev_5dof_precise_diagnostics_t *diagnostics)
@@ -1311,31 +1232,7 @@ typedef struct {
 } maglev_5dof_precise_landing_t;
 
 /* landing: ramps and state feedback
- * No integrator takes part, so nothing winds up: the disturbance of the observer does its work.
- *     waiting = not regular and guard_ready
- *     levelling_pole_theta = pole_theta if theta_measured is set, else predicted_pole_theta
- *     damping_theta = 2 * (levelling_pole_theta * (observer_theta_v + observer_theta_beta * (theta -
- *         observer_theta_q))) if guard_ready is set, else 0
- *     w_theta = -(levelling_pole_theta^2 * theta_estimate + damping_theta + theta_disturbance) if
- *         landing_next is set, else w_theta_tracking
- *     ramp_rate_next_x = max(min(0, ramp_rate_x + acceleration_step), ramp_rate_x - acceleration_step);
- *         likewise ramp_rate_next_z
- *     w_x_unprobed = stiffness * (ramp_x - x_estimate) + damping * (ramp_rate_x - x_rate) +
- *         limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance if landing_next is set, else
- *         w_x_tracking; likewise w_z_unprobed
- *     ramp_target_y = max(min(touch_speed + approach * (stop - ramp_y), largest_speed), press_speed)
- *     ramp_rate_next_y = max(min(ramp_target_y, ramp_rate_y + acceleration_step_y), ramp_rate_y -
- *         acceleration_step_y)
- *     w_y = stiffness_y * (ramp_y - y_estimate) + damping_y * (ramp_rate_y - y_rate) + limit(inverse_T *
- *         (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance if landing_next is set, else
- *         w_y_tracking
- *     left_next = (left if left <= good_per_bad, else left - good_per_bad) if waiting, else (left if
- *         landing_patience <= left, else left + 1)
- *     landing_next = 1 if waiting and left <= good_per_bad, else landing
- *     r_y_next = (max(min(ramp_y + half_T * (ramp_rate_y + ramp_rate_next_y), ramp_end), -bound) if
- *         landing is set, else min(y_estimate, ramp_end)) if landing_next is set, else r_y
- *     r_x_next = (limit(ramp_x + half_T * (ramp_rate_x + ramp_rate_next_x), bound) if landing is set, else
- *         x_estimate) if landing_next is set, else r_x; likewise r_z_next */
+ * No integrator takes part, so nothing winds up: the disturbance of the observer does its work. */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_landing_t
     maglev_5dof_precise_landing(maglev_5dof_precise_landing_state_t *state, bool regular, uint32_t ready, float phi,
     float w_phi_tracking, bool theta_measured, float theta_rate_if_ready, float theta_estimate, float theta_disturbance,
@@ -1453,15 +1350,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_landing_t
         .w_z_unprobed = w_z_unprobed, .landing_next = landing_2};
 }
 
-/* probe_x, probe_z: probe at rest
- *     runs = first_push_end <= sample
- *     active = runs or quiet_samples <= x_unchanged
- *     ends = pair_samples <= sample
- *     sample_next = ((0 if ends, else sample + first_push_end) if runs, else free) if active, else 0
- *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if pair_samples <= x_unchanged, else
- *         0) if ends, else attempt) if runs, else attempt) if active, else 0
- *     towards_next = ((-towards if ends, else towards) if runs, else (towards if 1 <= attempt, else
- *         (-first_push if 0 < e_x, else first_push))) if active, else towards */
+/* probe_x, probe_z: probe at rest */
 MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_probe(maglev_5dof_precise_probe_state_t *state, uint32_t unchanged,
     float w_unprobed, bool free, float e)
 {
@@ -1524,16 +1413,7 @@ typedef struct {
     float a_z;
 } maglev_5dof_precise_inversion_t;
 
-/* inversion: exact inversion of F(2), (6), (7)
- *     half_force = half_M_y * (w_y - G) + half_1 + half_2 + half_3 + half_4
- *     half_force_phi = half_I_over_r * (w_phi + compensated_k_s_phi * phi_fast_ahead) + half_3 - half_1;
- *         likewise half_force_theta
- *     half_force_1_3 = ((s2 + s4) * half_force + (s2 - s4) * half_force_theta - (s3 - s1) *
- *         half_force_phi) / (s1 + s3 + s2 + s4)
- *     i_d1_balanced = limit(2 * doubled_1 / (sqrt(squares_1) + sqrt(max(squares_1 - 8 * (motors_1_half_c *
- *         doubled_1), 0))), direct_limit); likewise i_d2_balanced, i_d3_balanced, i_d4_balanced
- *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
- *         i_d4_balanced^2))); likewise u_z_computed */
+/* inversion: exact inversion of F(2), (6), (7) */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_inversion_t maglev_5dof_precise_inversion(float w_y, float y_fast_ahead,
     float phi_fast_ahead, float w_z, float theta_fast_ahead, float w_x, float w_phi, float w_theta,
     maglev_5dof_precise_diagnostics_t *diagnostics)
@@ -1681,12 +1561,7 @@ typedef struct {
  * Without the direct currents along X the guide spring alone holds theta. At gaps below held_by_spring it is weaker
  * than the magnets, so there the handover along X waits for the landing to lower the platen.
  * The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut at once,
- * at most from 3.5 A to 1.45 A beside 3.5 A of thrust.
- *     faded_transfer = max(min(target, transfer + fade_step), transfer - fade_step)
- *     i_d1_computed = (1 - part_z) * limit(i_d1_balanced + handed_z, room_z) if not x_trusted or not
- *         z_trusted or 0 < transfer^2, else i_d1_balanced; likewise i_d2_computed, i_d3_computed,
- *         i_d4_computed
- *     transfer_next = faded_transfer if not x_trusted or not z_trusted or 0 < transfer^2, else transfer */
+ * at most from 3.5 A to 1.45 A beside 3.5 A of thrust. */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_handover_t
     maglev_5dof_precise_handover(maglev_5dof_precise_handover_state_t *state, bool lost_x, bool lost_z,
     float y_expected, bool x_trusted, bool z_trusted, float i_d1_balanced, float i_d3_balanced, float u_x_computed,
@@ -1730,8 +1605,7 @@ typedef struct {
     float z_commutation;
 } maglev_5dof_precise_angles_t;
 
-/* angles: positions for the commutation
- *     x_commutation = not_known if latched and not x_trusted, else x_held; likewise z_commutation */
+/* angles: positions for the commutation */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_angles_t maglev_5dof_precise_angles(uint32_t latched, bool lost_x,
     float x_held, bool lost_z, float z_held)
 {
@@ -1889,8 +1763,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
     const uint32_t landing_landing_2 = state->landing.landing;
     const bool landed = (landing_landing_2 != 0u) && (landed_at <= state->landing.r_y);
 
-    /* sufficiency: it can land, is probed
-     *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
+    /* sufficiency: it can land, is probed */
     const bool sufficient = redundancy_output_2.gaps_sufficient &&
         (x_monitor_output.trusted || z_monitor_output.trusted);
     const maglev_5dof_precise_guard_update_t guard_update = maglev_5dof_precise_guard_update(&state->guard, landed,
@@ -1985,9 +1858,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
             accepted.x_ref, z_monitor_output.held, accepted.z_ref, kinematics_output.phi, accepted.phi_ref,
             kinematics_output.theta, accepted.theta_ref, diagnostics);
 
-        /* delay: delay of one sample
-         *     w_y_last_next = w_y; likewise w_phi_last_next, w_theta_last_next
-         *     a_x_last_next = a_x; likewise a_z_last_next */
+        /* delay: delay of one sample */
         const float delay_w_y_last = state->delay_w_y_last;
         const maglev_5dof_precise_observer_y_t observer_y = maglev_5dof_precise_observer_y(&state->observer_y,
             guard_ready, y, delay_w_y_last, diagnostics);

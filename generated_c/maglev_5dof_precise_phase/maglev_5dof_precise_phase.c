@@ -68,14 +68,7 @@ typedef struct {
     bool lost_z;
 } maglev_5dof_precise_phase_advance_t;
 
-/* advance: positions 1.5 samples later, when the currents act
- *     x_acting = last_x_next + samples_ahead * (last_x_next - (last_x if 1 <= left_x, else x_held));
- *         likewise z_acting
- *     lost_x = 0 if |x_commutation| <= 0.1, else left_x <= 1; likewise lost_z
- *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
- *         else x_held) - 0.001); likewise last_z_next
- *     left_x_next = advance_patience if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0);
- *         likewise left_z_next */
+/* advance: positions 1.5 samples later, when the currents act */
 MAGLEV_5DOF_PRECISE_PHASE_INLINE maglev_5dof_precise_phase_advance_t
     maglev_5dof_precise_phase_advance(maglev_5dof_precise_phase_advance_state_t *state, float x_held, bool good_x,
     float z_held, bool good_z, maglev_5dof_precise_phase_diagnostics_t *diagnostics)
@@ -130,16 +123,7 @@ typedef struct {
     float i_c4;
 } maglev_5dof_precise_phase_commutation_t;
 
-/* commutation: phase currents, inverse Park
- *     distance_x = limit(x_acting - wavelength_high * (floor(inverse_wavelength * x_acting + 4.5) - 4) -
- *         wavelength_low * (floor(inverse_wavelength * x_acting + 4.5) - 4), 0.0572643); likewise
- *         distance_z
- *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
- *     transfer_next = max(min(target, transfer + fade_step), transfer - fade_step) if lost_x or lost_z or
- *         (0 < |transfer| or 1 <= unknown), else 0
- *     unknown_next = ((unknown if gone_samples <= unknown, else unknown + 1) if lost_x and lost_z, else
- *         (unknown - 1 if 1 <= unknown, else 0)) if lost_x or lost_z or (0 < |transfer| or 1 <= unknown),
- *         else 0 */
+/* commutation: phase currents, inverse Park */
 MAGLEV_5DOF_PRECISE_PHASE_LARGE maglev_5dof_precise_phase_commutation_t
     maglev_5dof_precise_phase_commutation(maglev_5dof_precise_phase_commutation_state_t *state, float x_acting,
     float z_acting, bool lost_x, bool lost_z, float i_d1_held, float i_d2_held, float i_d4_held, float i_q1_held,

@@ -106,13 +106,7 @@ typedef struct {
     bool latch_certain;
 } planar_6dof_leadlag_guard_t;
 
-/* guard: range acceptance, hold, latch
- *     enough = 0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005, else 0) if
- *         |d3| <= 0.0005, else 0)
- *     final = left <= 1
- *     latched = guard_latched if enough is set, else (1 if final, else guard_latched)
- *     left_next = latch_samples if enough is set, else (left if final, else left - 1)
- *     ready_next = 1 if enough is set, else ready */
+/* guard: range acceptance, hold, latch */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_guard_t planar_6dof_leadlag_guard(planar_6dof_leadlag_guard_state_t
     *state, uint32_t suspected, bool complete_V_cy, bool others, uint32_t latched_before)
 {
@@ -157,21 +151,7 @@ typedef struct {
  * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that the
  * prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last one, else
  * the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted sample adds
- * the mean of the innovation instead, if it is smaller, since the wrong voltage may have shifted the last one.
- *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
- *     ratio_y = limit(-(Y_s * minus_Y_c / (max(Y_s^2, minus_Y_c^2) + least_square)), 1)
- *     suspect_V_bx = frozen == channel_V_bx if frozen is set, else (change_x + nearly_zero_m < size_x if
- *         is_jump, else m_exceeds_x) or is_any
- *     suspect_V_by = frozen == channel_V_by if frozen is set, else (r_exceeds_y and nearly_zero_y if
- *         is_jump, else any_r_exceeds) or is_any
- *     suspect_V_cx = frozen == channel_V_cx if frozen is set, else (r_exceeds_x and nearly_zero_x if
- *         is_jump, else any_r_exceeds) or is_any
- *     suspect_V_cy = frozen == channel_V_cy if frozen is set, else (change_y + nearly_zero_m < size_y if
- *         is_jump, else m_exceeds_y) or is_any
- *     m_x = X_s^2 + X_c^2 - (power_0 + squared_product_x * (power_1 + squared_product_x * power_2));
- *         likewise m_y
- *     r_1 = scale * (V_by_held - V_ay_held) - h1 * sensing_phi_raw
- *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * sensing_phi_raw */
+ * the mean of the innovation instead, if it is smaller, since the wrong voltage may have shifted the last one. */
 PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_t planar_6dof_leadlag_sensing_output(const
     planar_6dof_leadlag_sensing_state_t *state, planar_6dof_leadlag_diagnostics_t *diagnostics)
 {
@@ -283,9 +263,7 @@ typedef struct {
     float psi;
 } planar_6dof_leadlag_vertical_kinematics_t;
 
-/* vertical_kinematics: z and tilts from distances
- *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
- *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
+/* vertical_kinematics: z and tilts from distances */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_vertical_kinematics_t planar_6dof_leadlag_vertical_kinematics(float
     d1_held, float d2_held, float d3_held, planar_6dof_leadlag_diagnostics_t *diagnostics)
 {
@@ -611,18 +589,7 @@ typedef struct {
     float phi_advance;
 } planar_6dof_leadlag_reckoning_t;
 
-/* reckoning: alpha-beta filter, dead reckoning
- *     corrects = guard_ready and measured
- *     innovation_x = x_raw - x_position; likewise innovation_phi, innovation_y
- *     a_x = x_half_step * delay_x + x_disturbance; likewise a_y
- *     middle_x = (x_rate + x_rate_gain * innovation_x if corrects, else x_rate) + a_x; likewise middle_y,
- *         middle_phi
- *     a_phi = phi_half_step * delay_phi
- *     advance_phi = middle_phi + a_phi; likewise x_advance, y_advance
- *     phi_advance = advance_phi + phi_bias_gain * phi_mean
- *     x_disturbance_next = limit(x_disturbance + x_disturbance_gain * innovation_x, disturbance_limit) if
- *         corrects, else x_disturbance; likewise y_disturbance_next
- *     phi_rate_next = limit(advance_phi, phi_rate_limit) */
+/* reckoning: alpha-beta filter, dead reckoning */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_reckoning_t
     planar_6dof_leadlag_reckoning(planar_6dof_leadlag_reckoning_state_t *state, uint32_t ready, bool measured,
     float x_raw, float acting_x, float innovation_phi, float y_raw, float acting_y, float phi_raw, float acting_phi,
@@ -723,17 +690,7 @@ typedef struct {
     float fastest;                      /* m; T times the speed beyond which the filter restarts */
 } planar_6dof_leadlag_filter_parameters_t;
 
-/* filter_x, filter_y, filter_phi: Kalman filter, (6)-(16); the numbers are those of filter_x
- *     e = x_raw - p
- *     now = p + k_p * e
- *     a = h + k_h * e
- *     in_bounds = guard_ready and |s + k_s * e + a| + |a| <= fastest
- *     prediction_p = limit(now + s + k_s * e + a, 0.2)
- *     prediction_s = limit(s + k_s * e + a + a, 0.00400004)
- *     prediction_h = limit(a, 0.00400004)
- *     x = now if in_bounds, else x_raw
- *     p_next = prediction_p if in_bounds, else x_raw
- *     s_next = prediction_s if in_bounds, else 0; likewise h_next */
+/* filter_x, filter_y, filter_phi: Kalman filter, (6)-(16) */
 PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_filter_state_t *state,
     const planar_6dof_leadlag_filter_parameters_t *parameters, float raw, uint32_t ready)
 {
@@ -767,9 +724,7 @@ typedef struct {
     float lead_input;                   /* A/m; (21): gain times (lead_pole - zero) */
 } planar_6dof_leadlag_loop_output_parameters_t;
 
-/* loop_x, loop_y, loop_phi: lead-lag, (21); lead-lag, (22)
- *     law_x = gain * (x_ref_held - x) + lead + integral
- *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
+/* loop_x, loop_y, loop_phi: lead-lag, (21); lead-lag, (22) */
 PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_loop_output(planar_6dof_leadlag_loop_state_t *state,
     const planar_6dof_leadlag_loop_output_parameters_t *parameters, float ref_held, float x_choice)
 {
@@ -786,8 +741,7 @@ typedef struct {
     float lead_input;                   /* A/m; (23): gain times (lead_pole - zero) */
 } planar_6dof_leadlag_loop_output_2_parameters_t;
 
-/* loop_z, loop_theta, loop_psi: lead-lag, (23); lead-lag, (24); lead-lag, (25)
- *     law_z = gain * (z_ref_held - z) + lead + integral */
+/* loop_z, loop_theta, loop_psi: lead-lag, (23); lead-lag, (24); lead-lag, (25) */
 PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_loop_output_2(planar_6dof_leadlag_loop_state_t *state,
     const planar_6dof_leadlag_loop_output_2_parameters_t *parameters, float ref_held, float z_product)
 {
@@ -806,10 +760,7 @@ typedef struct {
     float d_z;
 } planar_6dof_leadlag_start_t;
 
-/* start: no demand before the first complete sample
- *     begun = guard_ready or complete
- *     begun_phi = law_phi if begun, else 0; likewise begun_x, begun_y
- *     d_psi = law_psi if begun, else 0; likewise d_theta, d_z */
+/* start: no demand before the first complete sample */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_start_t planar_6dof_leadlag_start(bool begun, float law_phi, float law_x,
     float law_y, float law_psi, float law_theta, float law_z, planar_6dof_leadlag_diagnostics_t *diagnostics)
 {
@@ -848,8 +799,7 @@ typedef struct {
 /* braking: braking before the latch
  * Each sample removes half of the predicted rate, within the limits of the currents. In the 23 samples before the
  * latch motor C can remove 0.165 m/s from x, whatever the yaw demands; A and B can remove up to 0.66 m/s from y,
- * less what the yaw takes. What is left of a larger speed coasts.
- *     d_phi = phi_gain * phi_advance if brakes, else begun_phi; likewise d_x, d_y */
+ * less what the yaw takes. What is left of a larger speed coasts. */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_braking_t planar_6dof_leadlag_braking(bool brakes, float phi_advance,
     float begun_phi, float x_advance, float begun_x, float y_advance, float begun_y,
     planar_6dof_leadlag_diagnostics_t *diagnostics)
@@ -893,20 +843,7 @@ typedef struct {
 /* allocation: motor currents, Table 3, (17)
  * allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the direct
  * currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c of d_z in i_CD.
- * The 2 of d_theta there stands for both motors at the front.
- *     limit_c = max(quadrature_limit - |d_phi|, half_quadrature_limit)
- *     yaw_current = limit(d_phi + i_CQ, quadrature_limit)
- *     limit_y = quadrature_limit - |yaw_current|
- *     y_current = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), limit_y)
- *     y_currents = two * y_current
- *     lifts = i_AD + i_BD
- *     i_AQ = y_current - yaw_current
- *     i_BQ = y_current + yaw_current
- *     i_CQ = limit(cos(phi) * d_x + sin(phi) * d_y, limit_c)
- *     i_CD = limit(law_z + 2 * law_theta if guard_ready or complete, else 0, direct_limit)
- *     achieved_x = cos(phi) * i_CQ - sin(phi) * y_currents
- *     achieved_y = sin(phi) * i_CQ + cos(phi) * y_currents
- *     achieved_theta = rear_share * i_CD - front_share * lifts */
+ * The 2 of d_theta there stands for both motors at the front. */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_allocation_t planar_6dof_leadlag_allocation(float cos_phi_argument,
     float d_y, float phi, float d_x, float d_phi, float d_z, float d_theta, float d_psi, bool begun, float law_z,
     float law_theta, planar_6dof_leadlag_diagnostics_t *diagnostics)
@@ -1003,14 +940,7 @@ typedef struct {
     float i_CC_computed;
 } planar_6dof_leadlag_commutation_t;
 
-/* commutation: phase currents, (17) inverted
- *     distance_rear = within_x - c * sin(phi)
- *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
- *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
- *     i_AA_computed = limit(cos_A * i_AQ + minus_sin_A * i_AD, 1.26)
- *     i_BA_computed = limit(cos_B * i_BQ - sin_B * i_BD, 1.26)
- *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
- *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
+/* commutation: phase currents, (17) inverted */
 PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_commutation_t planar_6dof_leadlag_commutation(float within_x,
     float sin_phi, float within_y, float cos_phi_polynomial, float cos_phi_argument, float phi, float i_AQ, float i_AD,
     float i_BQ, float i_BD, float i_CQ, float i_CD)

@@ -106,13 +106,7 @@ typedef struct {
     bool latch_certain;
 } planar_6dof_lqg_guard_output_t;
 
-/* guard: range acceptance, hold, latch
- *     enough = 0 if left <= braking_from, else complete and ((|d1| <= 0.0005 if |d2| <= 0.0005, else 0) if
- *         |d3| <= 0.0005, else 0)
- *     final = left <= 1
- *     latched = guard_latched if enough is set, else (1 if final, else guard_latched)
- *     left_next = latch_samples if enough is set, else (left if final, else left - 1)
- *     ready_next = 1 if enough is set, else ready */
+/* guard: range acceptance, hold, latch */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_guard_output_t planar_6dof_lqg_guard_output(planar_6dof_lqg_guard_state_t *state,
     uint32_t suspected, bool complete_V_cy, bool others, uint32_t latched_before)
 {
@@ -157,21 +151,7 @@ typedef struct {
  * A sample with a refused or suspected voltage takes none of the six: x, y and yaw are predicted. A torque that the
  * prediction does not know shifts the yaw by a steady innovation, so the first such sample adds the last one, else
  * the yaw would jump. The prediction goes on from there, and later samples add nothing. A contradicted sample adds
- * the mean of the innovation instead, if it is smaller, since the wrong voltage may have shifted the last one.
- *     ratio_x = limit(X_s * X_c / (max(X_s^2, X_c^2) + least_square), 1)
- *     ratio_y = limit(-(Y_s * minus_Y_c / (max(Y_s^2, minus_Y_c^2) + least_square)), 1)
- *     suspect_V_bx = frozen == channel_V_bx if frozen is set, else (change_x + nearly_zero_m < size_x if
- *         is_jump, else m_exceeds_x) or is_any
- *     suspect_V_by = frozen == channel_V_by if frozen is set, else (r_exceeds_y and nearly_zero_y if
- *         is_jump, else any_r_exceeds) or is_any
- *     suspect_V_cx = frozen == channel_V_cx if frozen is set, else (r_exceeds_x and nearly_zero_x if
- *         is_jump, else any_r_exceeds) or is_any
- *     suspect_V_cy = frozen == channel_V_cy if frozen is set, else (change_y + nearly_zero_m < size_y if
- *         is_jump, else m_exceeds_y) or is_any
- *     m_x = X_s^2 + X_c^2 - (power_0 + squared_product_x * (power_1 + squared_product_x * power_2));
- *         likewise m_y
- *     r_1 = scale * (V_by_held - V_ay_held) - h1 * sensing_phi_raw
- *     r_2 = scale * (V_cx_held - V_ax_held) + h2 * sensing_phi_raw */
+ * the mean of the innovation instead, if it is smaller, since the wrong voltage may have shifted the last one. */
 PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_sensing_output_t planar_6dof_lqg_sensing_output(const
     planar_6dof_lqg_sensing_state_t *state, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
@@ -283,9 +263,7 @@ typedef struct {
     float psi;
 } planar_6dof_lqg_vertical_kinematics_t;
 
-/* vertical_kinematics: z and tilts from distances
- *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
- *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
+/* vertical_kinematics: z and tilts from distances */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_vertical_kinematics_t planar_6dof_lqg_vertical_kinematics(float d1_held,
     float d2_held, float d3_held, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
@@ -611,18 +589,7 @@ typedef struct {
     float phi_advance;
 } planar_6dof_lqg_reckoning_t;
 
-/* reckoning: alpha-beta filter, dead reckoning
- *     corrects = guard_ready and measured
- *     innovation_x = x_raw - x_position; likewise innovation_phi, innovation_y
- *     a_x = x_half_step * lqg_x_achieved + x_disturbance; likewise a_y
- *     middle_x = (x_rate + x_rate_gain * innovation_x if corrects, else x_rate) + a_x; likewise middle_y,
- *         middle_phi
- *     a_phi = phi_half_step * lqg_phi_achieved
- *     advance_phi = middle_phi + a_phi; likewise x_advance, y_advance
- *     phi_advance = advance_phi + phi_bias_gain * phi_mean
- *     x_disturbance_next = limit(x_disturbance + x_disturbance_gain * innovation_x, disturbance_limit) if
- *         corrects, else x_disturbance; likewise y_disturbance_next
- *     phi_rate_next = limit(advance_phi, phi_rate_limit) */
+/* reckoning: alpha-beta filter, dead reckoning */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_reckoning_t planar_6dof_lqg_reckoning(planar_6dof_lqg_reckoning_state_t *state,
     uint32_t ready, bool measured, float x_raw, float acting_x, float innovation_phi, float y_raw, float acting_y,
     float phi_raw, float acting_phi, planar_6dof_lqg_diagnostics_t *diagnostics)
@@ -730,8 +697,7 @@ typedef struct {
 
 /* lqg_x, lqg_y: reduced-order LQG, (28)-(35), (49)
  * While the error of x or y is limited to largest_error the axis moves at a constant speed, and its integral only
- * decays: the integral of a ramp is a velocity, with which the axis would go on when the set-point turns back.
- *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
+ * decays: the integral of a ramp is a velocity, with which the axis would go on when the set-point turns back. */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_lqg_output_t planar_6dof_lqg_lqg_output(planar_6dof_lqg_lqg_state_t *state,
     const planar_6dof_lqg_lqg_output_parameters_t *parameters, float ref_held, float raw, uint32_t ready)
 {
@@ -775,13 +741,7 @@ typedef struct {
     float law_phi;
 } planar_6dof_lqg_lqg_phi_output_t;
 
-/* lqg_phi: reduced-order LQG, (28)-(35), (49)
- *     seen = L * phi_raw
- *     now = x3 if guard_ready is set, else -seen
- *     estimated = now + seen + achieved_gain * achieved
- *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - estimated
- *     x3_next = F * now + G * phi_raw + H * achieved
- *     integral_next = integral_decay * integral + integral_input * (achieved_phi + estimated) */
+/* lqg_phi: reduced-order LQG, (28)-(35), (49) */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_lqg_phi_output_t planar_6dof_lqg_lqg_phi_output(planar_6dof_lqg_lqg_state_t
     *state, float phi_ref_held, float phi_raw, uint32_t ready, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
@@ -810,8 +770,7 @@ typedef struct {
     float lead_input;                   /* A/m; (23): gain times (lead_pole - zero) */
 } planar_6dof_lqg_loop_output_parameters_t;
 
-/* loop_z, loop_theta, loop_psi: lead-lag, (23); lead-lag, (24); lead-lag, (25)
- *     law_z = gain * (z_ref_held - z) + lead + integral */
+/* loop_z, loop_theta, loop_psi: lead-lag, (23); lead-lag, (24); lead-lag, (25) */
 PLANAR_6DOF_LQG_INLINE float planar_6dof_lqg_loop_output(planar_6dof_lqg_loop_state_t *state,
     const planar_6dof_lqg_loop_output_parameters_t *parameters, float ref_held, float z_product)
 {
@@ -830,10 +789,7 @@ typedef struct {
     float d_z;
 } planar_6dof_lqg_start_t;
 
-/* start: no demand before the first complete sample
- *     begun = guard_ready or complete
- *     begun_phi = law_phi if begun, else 0; likewise begun_x, begun_y
- *     d_psi = law_psi if begun, else 0; likewise d_theta, d_z */
+/* start: no demand before the first complete sample */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_start_t planar_6dof_lqg_start(bool begun, float law_phi, float law_x,
     float law_y, float law_psi, float law_theta, float law_z, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
@@ -873,8 +829,7 @@ typedef struct {
  * With sound sensors the law moves x at 0.137 m/s and y at 0.30 m/s at most, by largest_error.
  * Each sample removes half of the predicted rate, within the limits of the currents. In the 23 samples before the
  * latch motor C can remove 0.206 m/s from x, whatever the yaw demands; A and B can remove up to 0.82 m/s from y,
- * less what the yaw takes. What is left of a larger speed coasts.
- *     d_phi = phi_gain * phi_advance if brakes, else begun_phi; likewise d_x, d_y */
+ * less what the yaw takes. What is left of a larger speed coasts. */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_braking_t planar_6dof_lqg_braking(bool brakes, float phi_advance,
     float begun_phi, float x_advance, float begun_x, float y_advance, float begun_y,
     planar_6dof_lqg_diagnostics_t *diagnostics)
@@ -918,20 +873,7 @@ typedef struct {
 /* allocation: motor currents, Table 3, (17)
  * allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the direct
  * currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c of d_z in i_CD.
- * The 2 of d_theta there stands for both motors at the front.
- *     limit_c = max(quadrature_limit - |d_phi|, half_quadrature_limit)
- *     yaw_current = limit(d_phi + i_CQ, quadrature_limit)
- *     limit_y = quadrature_limit - |yaw_current|
- *     y_current = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), limit_y)
- *     y_currents = two * y_current
- *     lifts = i_AD + i_BD
- *     i_AQ = y_current - yaw_current
- *     i_BQ = y_current + yaw_current
- *     i_CQ = limit(cos(phi_raw) * d_x + sin(phi_raw) * d_y, limit_c)
- *     i_CD = limit(law_z + 2 * law_theta if guard_ready or complete, else 0, direct_limit)
- *     achieved_x = cos(phi_raw) * i_CQ - sin(phi_raw) * y_currents
- *     achieved_y = sin(phi_raw) * i_CQ + cos(phi_raw) * y_currents
- *     achieved_theta = rear_share * i_CD - front_share * lifts */
+ * The 2 of d_theta there stands for both motors at the front. */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_allocation_t planar_6dof_lqg_allocation(float cos_phi_raw_argument, float d_y,
     float phi_raw, float d_x, float d_phi, float d_z, float d_theta, float d_psi, bool begun, float law_z,
     float law_theta, planar_6dof_lqg_diagnostics_t *diagnostics)
@@ -1055,14 +997,7 @@ typedef struct {
     float i_CC_computed;
 } planar_6dof_lqg_commutation_t;
 
-/* commutation: phase currents, (17) inverted
- *     distance_rear = within_x - c * sin(phi_raw)
- *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
- *     distance_front = within_y - (b * cos(phi_raw) - quarter_pitch)
- *     i_AA_computed = limit(cos_A * i_AQ + minus_sin_A * i_AD, 1.26)
- *     i_BA_computed = limit(cos_B * i_BQ - sin_B * i_BD, 1.26)
- *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
- *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
+/* commutation: phase currents, (17) inverted */
 PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_commutation_t planar_6dof_lqg_commutation(float within_x, float sin_phi_raw,
     float within_y, float cos_phi_raw_polynomial, float cos_phi_raw_argument, float phi_raw, float i_AQ, float i_AD,
     float i_BQ, float i_BD, float i_CQ, float i_CD)

@@ -17,23 +17,19 @@
     numbers.with_numbers           a literal that a Block declares becomes a constant with a name
     parts.with_idle_results        what others do not read is not computed
     parts.alike, routine.outlined  each Block becomes a function that the step calls, like Blocks the same one
-    equations.by_block             equations of the composed expressions, for the comments
 
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """
 
-import re
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from synth.base import cache
 from synth.block import Block, Constant
-from synth.emit.c import c_text, equations, printer, routine
+from synth.emit.c import c_text, printer, routine
 from synth.emit.c import lines as wrapping
 from synth.emit.passes import fault_flags, fold, guards, numbers, parts, schedule, surrogates
-from synth.emit.passes.schedule import Statement
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program import layout, lower
 from synth.emit.program.layout import Layout
@@ -42,20 +38,14 @@ from synth.emit.proof import ranges, safe
 from synth.errors import EmitError
 from synth.signals import product_unit
 
-_LOCAL = re.compile(r"^ +(?:const )?(?:float|double|bool|uint32_t) (\w+)(?: =|;)", re.MULTILINE)
-
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """A program ready for printing: the Block with the constants from folding, the program, and its surrogates.
-
-    `composed` is the program before surrogates, whose equations the comments show.
-    """
+    """A program ready for printing: the Block with the constants from folding, the program, and its surrogates."""
 
     block: Block
     program: Program
     surrogates: tuple[Surrogate, ...]
-    composed: Program
 
 
 def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: float | None = None) -> Reduced:
@@ -66,8 +56,8 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state or an output
     that may leave its declared range.
     """
-    constants, program, polynomials, composed = _run_passes(block, scalar, libm, error)
-    return Reduced(replace(block, constants=constants), program, polynomials, composed)
+    constants, program, polynomials = _run_passes(block, scalar, libm, error)
+    return Reduced(replace(block, constants=constants), program, polynomials)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +85,9 @@ def c_source(block: Block, scalar: type[np.floating], libm: bool, error: float |
     """
     reduced = reduce(block, scalar, libm, error)
     layout.layout(block, scalar)
-    outlined, memory, statements = _outline(reduced, scalar)
-    lines = tuple(wrapping.wrapped(source(outlined, memory, statements)))
+    outlined = _outline(reduced, scalar)
+    memory = layout.layout(outlined.block, scalar, routine.owners(outlined.program))
+    lines = tuple(wrapping.wrapped(source(outlined, memory)))
     gains = {c.name for c in reduced.block.constants}
     named = tuple(c for c in outlined.block.constants if c.name not in gains)
     read = {n.name for n in reduced.program.nodes if n.op == "constant"}
@@ -107,12 +98,11 @@ def c_source(block: Block, scalar: type[np.floating], libm: bool, error: float |
 @cache.cached
 def _run_passes(
     block: Block, scalar: type[np.floating], libm: bool, error: float | None
-) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...], Program]:
-    """Return the constants, program, surrogates and composed program of a Reduced: its data, which can be cached."""
+) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...]]:
+    """Return the constants, the program and the surrogates of a Reduced: its data, which can be cached."""
     bounds = ranges.bounds(block, scalar)
     program = lower.program(block)
     program = fault_flags.simplified(fold.folded(program))
-    composed = _without_certificates(guards.without_idle(program, bounds, scalar))
     program = fault_flags.gather(program)
     proved = ranges.analyse(program, bounds, scalar)
     as_written = program
@@ -135,29 +125,20 @@ def _run_passes(
     ranges.require_inductive(program, proved, block, scalar)
     safe.require_output_ranges(program, narrowed, block, scalar)
     ranges.require_whole(program, proved)
-    return block.constants, _without_certificates(program), polynomials, composed
+    marks = tuple((replace(named, certificate=None), k) for named, k in program.marks)
+    return block.constants, replace(program, marks=marks), polynomials
 
 
-def _without_certificates(program: Program) -> Program:
-    return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
-
-
-def _outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layout, tuple[Statement, ...]]:
-    """Return what is printed: the program whose Parts are calls, its layout and its statements."""
+def _outline(reduced: Reduced, scalar: type[np.floating]) -> Reduced:
+    """Return what is printed: the program whose Parts are calls."""
     program, block = numbers.with_numbers(guards.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
-    composed, _ = numbers.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
     program, values = parts.with_idle_results(program), {c.name: c.value for c in block.constants}
-    made = replace(reduced, block=block, program=routine.outlined(program, values, parts.alike(program)))
-    memory = layout.layout(made.block, scalar, routine.owners(made.program))
-    statements = schedule.statements(made.program)
-    code = "\n".join(line.text for line in source(made, memory, statements))
-    shown = equations.by_block(composed, frozenset(_LOCAL.findall(code)))
-    return replace(made, program=replace(made.program, equations=shown)), memory, statements
+    return replace(reduced, block=block, program=routine.outlined(program, values, parts.alike(program)))
 
 
-def source(reduced: Reduced, memory: Layout, statements: Sequence[Statement]) -> list[printer.Line]:
-    """Return the lines of <name>.c, from the statements of `schedule`."""
-    body = printer.body(reduced.block, reduced.program, statements, memory.scalar)
+def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:
+    """Return the lines of <name>.c."""
+    body = printer.body(reduced.block, reduced.program, schedule.statements(reduced.program), memory.scalar)
     return c_text.source(reduced.block, reduced.program, reduced.surrogates, memory, body)
 
 

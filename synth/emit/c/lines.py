@@ -97,11 +97,11 @@ def member(ctype: str, name: str, about: str) -> str:
     return row if len(row) <= WIDTH else "\n".join([*comment(said, "    "), text])
 
 
-def opening(title: Sequence[str], equations: Sequence[str], notes: Sequence[str] = (), indent: int = 0) -> list[str]:
-    """Return the comment that opens a section behind an indentation: lines of its title, notes, and equations."""
+def opening(title: Sequence[str], notes: Sequence[str] = (), indent: int = 0) -> list[str]:
+    """Return the comment that opens a section behind an indentation: lines of its title, and notes."""
     width = WIDTH - indent - len(" *  */")
     said = [row for note in notes for row in wrap(prose(note), width, break_on_hyphens=False)]
-    rows = [*title, *said, *(f"    {prose(row)}" for row in equations)]
+    rows = [*title, *said]
     return [f"{'/*' if row is rows[0] else ' *'} {row}" for row in rows[:-1]] + [
         f"{' *' if rows[1:] else '/*'} {rows[-1]} */"
     ]

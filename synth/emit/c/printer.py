@@ -98,8 +98,7 @@ class _Printer:
             block = titles.pop(line.tag, "")
             if block and not line.text.strip().startswith("}"):
                 indent = line.text[: -len(line.text.lstrip())]
-                equations, notes = (of.get(block, ()) for of in (self.p.equations, self.p.notes))
-                rows = opening([line.tag], equations, notes, len(indent))
+                rows = opening([line.tag], self.p.notes.get(block, ()), len(indent))
                 printed += [Line("")] if printed and not printed[-1].text.endswith("{") else []
                 printed += [Line(indent + row, line.tag) for row in rows]
             printed.append(line)

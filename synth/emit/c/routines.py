@@ -86,13 +86,11 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
             lines += map(Line, ["typedef struct {", *rows, f"}} {block.name}_{routine.name}_t;", ""])
         titles = [p.titles.get(c.block, c.block) for c in used]
         tags = dict.fromkeys(about for t in titles if (about := t.partition(": ")[2]))
-        of_first = any(n.op == "literal" for n in used[0].numbers) and used[0].block in p.equations
-        numbers = [f"the numbers are those of {used[0].block}"] if of_first else []
-        said = ": ".join(filter(None, [", ".join(c.block for c in used), "; ".join([*tags, *numbers])]))
+        said = ": ".join(filter(None, [", ".join(c.block for c in used), "; ".join(tags)]))
         about = wrap(prose(said), WIDTH - 2)
         first = used[0].block if used[0].block not in explained else ""
         explained |= {c.block for c in used}
-        lines += [Line(row) for row in opening(about, p.equations.get(first, ()), p.notes.get(first, ()))]
+        lines += [Line(row) for row in opening(about, p.notes.get(first, ()))]
         lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
         lines += map(Line, _common_constants(routine, constants, layout))
         lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]

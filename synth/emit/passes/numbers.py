@@ -43,16 +43,9 @@ _LIMITING = {"lt", "le", "min", "max", "clamp", "slew", "choose"}
 _CLOSE = 1e-12  # relative: folding rounds a product of numbers once
 
 
-def with_numbers(
-    p: Program, block: Block, scalar: type[np.floating], names: Container[str] | None = None
-) -> tuple[Program, Block]:
-    """Return the program that reads numbers by name, and the Block with the constants that it then reads.
-
-    `names` are those that may be read, by default all.
-    """
+def with_numbers(p: Program, block: Block, scalar: type[np.floating]) -> tuple[Program, Block]:
+    """Return the program that reads numbers by name, and the Block with the constants that it then reads."""
     known = _unique_names(p, block)
-    if names is not None:
-        known = {name: [e for equal in group if (e := equal.among(names))] for name, group in known.items()}
     first = _Namer(p, scalar, known, frozenset())
     first.program()
     namer = _Namer(p, scalar, known, frozenset(first.settled))
@@ -66,12 +59,6 @@ class _Equal:
 
     either: Constant
     kinds: tuple[Constant, ...]
-
-    def among(self, names: Container[str]) -> "_Equal | None":
-        """Return the numbers that have some of the names, None where there are none."""
-        kept = tuple(c for c in self.kinds if c.name in names)
-        either = self.either if self.either.name in names else kept[0] if kept else None
-        return _Equal(either, kept or (either,)) if either else None
 
 
 class _Namer:

@@ -127,7 +127,8 @@ def with_idle_results(p: Program) -> Program:
             arms = (outside[k], 0)
             nodes.append(Node("choose", (inside[condition], *(arms if holds else arms[::-1])), IDLE))
             outside[k] = len(nodes) - 1
-    return p.with_nodes(tuple(nodes), [outside[k] for k in range(len(p.nodes))])
+    computed = {inside[k]: name for k, name in p.labels.items()}
+    return p.with_nodes(tuple(nodes), [outside[k] for k in range(len(p.nodes))], computed)
 
 
 def _contexts(p: Program) -> list[frozenset[tuple[int, bool]] | None]:

@@ -59,10 +59,9 @@ class Program:
     `marks` holds (signal, node) in the order of the composition; `word` is None for a Block without faults.
     `polynomials` maps the name of a "polynomial" node to its polynomial, and `tables` that of a "table" node to its
     numbers. `products` maps the name of a constant that folding introduced to the two constants that it multiplies.
-    `titles` maps each Block of the composition to its description and the number of its equation, `equations` to the
-    lines of its equations, `notes` to sentences about it. `labels` are names of nodes that the laws give, for
-    the locals of the C. `recorded` and `limited` are the signals of which diagnostics have the value, or that they
-    are at a limit.
+    `titles` maps each Block of the composition to its description and the number of its equation, `notes` to sentences
+    about it. `labels` are names of nodes that the laws give, for the locals of the C. `recorded` and `limited` are the
+    signals of which diagnostics have the value, or that they are at a limit.
     """
 
     nodes: tuple[Node, ...]
@@ -74,7 +73,6 @@ class Program:
     polynomials: Mapping[str, Polynomial] = field(default_factory=dict)
     products: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     titles: Mapping[str, str] = field(default_factory=dict)
-    equations: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     tables: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     calls: Mapping[str, Any] = field(default_factory=dict)
     typed: Mapping[str, str] = field(default_factory=dict)

@@ -27,9 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth.base import contents
 from synth.block import Block
-from synth.emit import lanes as lane_code
 from synth.emit import pipeline
-from synth.emit.lanes import Rows
 from synth.emit.program.lower import Program
 from synth.errors import WiringError
 from synth.execute import compile as host_compiler
@@ -37,7 +35,9 @@ from synth.execute import host
 from synth.signals import signal_names
 from synth.simulate import drive as drives
 from synth.simulate import loop_arrays
+from synth.simulate.lanes import lane_code
 from synth.simulate.lanes.interpolants import OUTSIDE, FastPlant
+from synth.simulate.lanes.lane_code import Rows
 from synth.simulate.scenario import Scenario
 
 LARGE, ALIGNMENT = 2**21, 64  # bytes: of a large page, and of a vector

@@ -345,7 +345,7 @@ def test_comments_carry_tag_unit_range_and_cannot_be_closed_early() -> None:
         "tagged", TIME, lambda u, x, k: Step({"y": 3 * u["a"]}), inputs=[a], outputs=[signal("y")], tag="flag(12) /*"
     )
     files = c_files(block, F32)
-    assert "/* tagged: flag(12) / *\n" in files["tagged.c"] and "uint32_t flag(" not in files["tagged.c"]
+    assert "/* tagged: flag(12) / * */\n" in files["tagged.c"] and "uint32_t flag(" not in files["tagged.c"]
     assert "/* kg m/s^2, -2 .. 3: a * / force */" in files["tagged.h"]
     compiler.check(files)
 

@@ -207,7 +207,7 @@ def test_lines_after_a_branch_belong_to_the_block_before_it() -> None:
     block = hazards.stored_by_an_earlier_block()
     rounded = block.rounded(F64)
     reduced = pipeline.reduce(rounded, F64)
-    lines = pipeline.source(reduced, layout.layout(rounded, F64), schedule.statements(reduced.program))
+    lines = pipeline.source(reduced, layout.layout(rounded, F64))
     tags = {line.text.strip(): line.tag for line in lines}
     assert tags["state->hold_x = a;"] == "hold" and tags["} else {"] == "use" and tags["out->z = z;"] == "use"
 

@@ -75,7 +75,3 @@ def test_a_number_of_counts_is_whole() -> None:
     for value in (2.5, -1):
         with pytest.raises(SignalError, match="whole number"):
             Constant("patience", value, "1", "samples", ("left",))
-
-
-def test_the_equation_has_the_name() -> None:
-    assert "else patience" in counter(PATIENCE)

@@ -5,11 +5,11 @@ import ctypes
 import numpy as np
 import pytest
 
-from synth.emit import lanes
-from synth.emit.lanes import Rows
 from synth.emit.program import lower
 from synth.emit.program.lower import Node, Program
 from synth.execute import compile as host_compiler
+from synth.simulate.lanes import lane_code
+from synth.simulate.lanes.lane_code import Rows
 
 C = tuple(f"c{k}" for k in range(4))
 RUN = """#include <math.h>
@@ -39,12 +39,12 @@ def polynomials(dependent: bool) -> Program:
 
 
 def test_equal_polynomials_of_independent_variables_form_a_group() -> None:
-    assert [len(group) for group in lanes.groups(polynomials(False))] == [3]
+    assert [len(group) for group in lane_code.groups(polynomials(False))] == [3]
 
 
 def test_a_polynomial_of_another_one_is_not_in_its_group() -> None:
     program = polynomials(True)
-    (group,) = lanes.groups(program)
+    (group,) = lane_code.groups(program)
     assert {chain.value for chain in group} == {program.outputs["p"], program.outputs["q"]}
 
 
@@ -53,14 +53,14 @@ def test_a_chain_ends_where_its_value_is_read_twice() -> None:
     for t in (4, 5):
         nodes += [Node("fma", (t, 3, 2)), Node("fma", (t, len(nodes), 1)), Node("fma", (t, len(nodes) + 1, 0))]
     program = Program(tuple(nodes), (), {"p": 8, "q": 11, "inner": 7}, {})
-    assert lanes.groups(program) == []
+    assert lane_code.groups(program) == []
 
 
 @pytest.mark.parametrize("dependent", [False, True])
 def test_every_node_comes_after_all_that_it_needs(dependent: bool) -> None:
     program = polynomials(dependent)
     done = set[int]()
-    for item in lanes.schedule(program):
+    for item in lane_code.schedule(program):
         group = () if isinstance(item, int) else item
         needs = (
             program.nodes[item].args if isinstance(item, int) else [a for c in group for a in (c.variable, *c.terms)]
@@ -77,9 +77,9 @@ def test_one_lane_has_the_bits_of_eight(dependent: bool) -> None:
     x, p = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, 4)
     values = []
     for number in (1, 8):
-        text = lanes.function("f", program, Rows((), ("a", "b", "d"), (), C, outputs), number)
+        text = lane_code.function("f", program, Rows((), ("a", "b", "d"), (), C, outputs), number)
         assert ("vd4" in text) == (number == 1 and not dependent)
-        source = RUN.format(lanes=number, functions=lanes.SUPPORT + text)
+        source = RUN.format(lanes=number, functions=lane_code.SUPPORT + text)
         flags = ("-O2", "-march=native", "-std=c11", "-Wno-psabi")
         library = ctypes.CDLL(str(host_compiler.shared_library({"chains.c": source}, flags)))
         arrays = [np.repeat(a, number) for a in (x, p, np.zeros(4))]

@@ -12,12 +12,12 @@ from designs.maglev_5dof import design as maglev
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
 from synth.block import Block, Step, build
-from synth.emit import lanes, pipeline
-from synth.emit.lanes import Rows
+from synth.emit import pipeline
 from synth.execute import compile as host_compiler
 from synth.execute import host
 from synth.signals import Signal, signal_names
-from synth.simulate.lanes import lane_blocks
+from synth.simulate.lanes import lane_blocks, lane_code
+from synth.simulate.lanes.lane_code import Rows
 from synth.timing import Discrete
 from tests import levitator
 
@@ -106,17 +106,17 @@ def require_same_bits(block: Block, scalar: type, error: float | None, inputs: d
     reduced = pipeline.reduce(block.rounded(scalar), scalar, error=error)
     reals, counters = ([s.name for s in block.states if s.integer == whole] for whole in (False, True))
     rows = Rows(signal_names(block.inputs), reals, counters, (), signal_names(block.outputs))
-    v, u, _ = lanes.TYPES[scalar]
+    v, u, _ = lane_code.TYPES[scalar]
     width = np.uint32 if scalar is np.float32 else np.uint64
     constants = {c.name: c.value for c in reduced.block.constants}
     rows = replace(rows, constants=tuple(constants))
     functions = [
-        lanes.SUPPORT,
-        lanes.mathematics([(reduced.program, scalar)]),
-        lanes.step("step", reduced.program, rows, scalar),
+        lane_code.SUPPORT,
+        lane_code.mathematics([(reduced.program, scalar)]),
+        lane_code.step("step", reduced.program, rows, scalar),
     ]
     sizes = {"reals": len(reals), "whole": len(counters), "inputs": len(rows.inputs), "outputs": len(rows.outputs)}
-    text = RUN.format(functions="\n".join(functions), v=v, u=u, number=lanes.NUMBERS[scalar], **sizes)
+    text = RUN.format(functions="\n".join(functions), v=v, u=u, number=lane_code.NUMBERS[scalar], **sizes)
     library = ctypes.CDLL(str(host_compiler.shared_library({"run.c": text}, lane_blocks.FLAGS)))
     x = in_lanes([records[n] for n in reals], scalar)
     c = in_lanes([records[n] for n in counters], width)
