@@ -9,6 +9,7 @@ lies in its box for every x in the box and every u.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import TypeVar
 
 import casadi as ca
@@ -25,6 +26,7 @@ from synth.timing import Discrete
 Exprs = Mapping[str, ca.SX]
 Certificate = Callable[[float, float], float]
 Value = TypeVar("Value")
+_DOT = {ca.OP_INPUT, ca.OP_VERTCAT, ca.OP_DOT, ca.OP_OUTPUT}  # the instructions of a dot product
 
 
 @arguments.checked
@@ -301,6 +303,37 @@ def table(name: str, values: Sequence[float]) -> ca.Function:
         )
     index = ca.MX.sym("index")
     return ca.Function(name, [index], [ca.MX(ca.DM(list(values)))[index]], {"never_inline": True})
+
+
+@arguments.checked
+def dot(coefficients: Sequence[ca.SX], values: Sequence[ca.SX]) -> ca.SX:
+    """Return k_1 x_1 + k_2 x_2 + .. + k_n x_n, rounded from left to right, as one operation of a law.
+
+    Emission writes the rows of constants that a Block multiplies by the same values as one array and a loop. Anything
+    else becomes products and sums.
+
+    Raises SignalError for other than two or more coefficients with a value each.
+    """
+    if len(coefficients) != len(values) or len(values) < 2:
+        raise SignalError(
+            f"a dot product of {len(coefficients)} coefficients and {len(values)} values: give two or more of each"
+        )
+    return _dot(len(values))(*coefficients, *values)
+
+
+@arguments.checked
+def is_dot(function: ca.Function) -> bool:
+    """Tell whether a function that an expression calls is a dot product."""
+    return (
+        function.is_a("MXFunction") and {function.instruction_id(k) for k in range(function.n_instructions())} == _DOT
+    )
+
+
+@cache
+def _dot(n: int) -> ca.Function:
+    symbols = [ca.MX.sym(f"{letter}_{k}") for letter in "kx" for k in range(n)]
+    total = ca.dot(ca.vertcat(*symbols[:n]), ca.vertcat(*symbols[n:]))
+    return ca.Function(f"dot_{n}", symbols, [total], {"never_inline": True})
 
 
 def _signal(names: Mapping[str, str], signal: Signal) -> Signal:

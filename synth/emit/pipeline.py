@@ -2,6 +2,7 @@
 
     ranges.bounds                  declared range of each load
     lower.program                  CasADi expressions to nodes in SSA form, common subexpression elimination
+    matrices.with_matrices             rows of constants times the same values: one product with a matrix
     fold.folded                    constant folding, algebraic simplification, shared reciprocals
     fault_flags.simplified         truth values: sums and choices of 0 and 1 become logic
     fault_flags.gather             bits that one side of a condition sets are set on that side
@@ -29,7 +30,7 @@ from synth.base import cache
 from synth.block import Block, Constant
 from synth.emit.c import c_text, printer, routine
 from synth.emit.c import lines as wrapping
-from synth.emit.passes import fault_flags, fold, guards, numbers, parts, schedule, surrogates
+from synth.emit.passes import fault_flags, fold, guards, matrices, numbers, parts, schedule, surrogates
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program import layout, lower
 from synth.emit.program.layout import Layout
@@ -101,7 +102,7 @@ def _run_passes(
 ) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...]]:
     """Return the constants, the program and the surrogates of a Reduced: its data, which can be cached."""
     bounds = ranges.bounds(block, scalar)
-    program = lower.program(block)
+    program = matrices.with_matrices(lower.program(block), block.name, {c.name: c.value for c in block.constants})
     program = fault_flags.simplified(fold.folded(program))
     program = fault_flags.gather(program)
     proved = ranges.analyse(program, bounds, scalar)

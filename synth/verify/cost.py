@@ -52,8 +52,11 @@ def of_block(block: Block, scalar: type[np.floating]) -> dict[str, int]:
 
 def of_program(program: Program) -> dict[str, int]:
     """Count the operations of a program."""
-    counts = Counter(_KINDS.get(n.op, n.op) for n in program.nodes if n.op != "polynomial")
+    counts = Counter(_KINDS.get(n.op, n.op) for n in program.nodes if n.op not in ("polynomial", "product", "row"))
     for node in program.nodes:
+        if node.op == "product":
+            rows, columns = np.shape(program.matrices[node.name].values)
+            counts += Counter({"mul": rows * columns, "add": rows * (columns - 1)})
         if node.op == "polynomial":
             c = program.polynomials[node.name].coefficients
             counts += Counter({"mul": len(c) - 1, "add": sum(1 for value in c[:-1] if value)})

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-from synth.block import Constant, State
+from synth.block import Constant, State, table
 from synth.signals import Signal
 from synth.timing import Continuous
 from tests.hostile.examples import (
@@ -77,6 +77,8 @@ def examples() -> Mapping[str, Call]:
             "states": [State(Signal("last", "1", -1.0, 1.0), 0.0)],
             "constants": [Constant("gain", 2.0, "1", "given")],
         },
+        "block.dot": {"coefficients": [u, u], "values": [u, u]},
+        "block.is_dot": {"function": table("ramp", [0.0, 1.0])},
         "block.clip": {"expr": u, "bounds": GAP},
         "composition.compose": {"name": "whole", "blocks": [example_step()], "inputs": ["u"], "outputs": ["y"]},
     }

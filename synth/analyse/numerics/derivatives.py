@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from synth import show
 from synth.base import column_maps
+from synth.block import is_dot
 from synth.errors import ModelError
 from synth.signals import Signal
 from synth.statespace import Array
@@ -288,7 +289,7 @@ def _directional(f: ca.Function, z: Array, D: Array) -> tuple[Array, Array]:
         if op == ca.OP_OUTPUT:
             limits[o[1]], slopes[o[1]] = args[0].value, args[0].slope
         elif op == ca.OP_CALL:
-            registers |= dict.fromkeys(o, _lookup(terms[k].which_function(), args))
+            registers |= dict.fromkeys(o, _call(terms[k].which_function(), args))
         elif all(a.is_constant for a in args):
             registers[o[0]] = _Limit(here, 0.0, beside)
         elif op in SELECTIONS:
@@ -300,8 +301,13 @@ def _directional(f: ca.Function, z: Array, D: Array) -> tuple[Array, Array]:
     return limits, slopes
 
 
-def _lookup(function: ca.Function, args: Sequence[_Limit]) -> _Limit:
-    """Return the limit of a table of numbers; that of another function is not known, NaN."""
+def _call(function: ca.Function, args: Sequence[_Limit]) -> _Limit:
+    """Return the limit of a dot product, or of a table of numbers; that of another function is not known, NaN."""
+    if is_dot(function):
+        n = len(args) // 2
+        beside = np.sum([k.beside * x.beside for k, x in zip(args[:n], args[n:], strict=True)], axis=0)
+        terms = [_smooth(ca.OP_MUL, pair) for pair in zip(args[:n], args[n:], strict=True)]
+        return _Limit(sum(value for value, _ in terms), sum(slope for _, slope in terms), beside)
     if function.jac_sparsity(0, 0).nnz():
         unknown = np.full_like(args[0].beside, np.nan)
         return _Limit(np.nan, unknown, unknown)

@@ -3,6 +3,12 @@
 An entry of 0 produces no code, and an entry of 1 or -1 no multiplication. Every other entry is a Constant,
 ``<output>_from_<u>`` or ``next_<state>_from_<u>``: emission rounds it once, and the C shows which entry it is.
 
+From FEWEST coefficients on, rows of [A, B] or of [C, D] that have most columns in common are dot products with the same
+values (`block.dot`): the C has a loop over an array of them. It adds the columns of the array from left to right, then
+a row's other entries. A sparse row stays a sum, as the loop would multiply its zeros, and so does a small matrix. On a
+Cortex-M4F the LQG of 4, 8 and 24 masses (`benchmarks/chain.py`) takes 1.4, 1.5 and 1.3 times the instructions with
+arrays; its flash is 0.7, 0.4 and 0.3 of that with sums, which have 444, 1600 and 13778 lines.
+
 With a Start the state is a after init. The first step takes x = a + G u, limited to its range, with its own inputs u.
 An estimate then begins at the first measurement (`lqg.from_measurement`), without a transient from 0.
 """
@@ -14,7 +20,7 @@ import casadi as ca
 import numpy as np
 
 from synth import arguments
-from synth.block import Block, Constant, Exprs, State, Step, build, clip
+from synth.block import Block, Constant, Exprs, State, Step, build, clip, dot
 from synth.errors import SignalError
 from synth.law import label
 from synth.signals import Signal, signal_names
@@ -22,6 +28,8 @@ from synth.statespace import Array, StateSpace, System, of
 from synth.synthesise.observers.lqg import Start
 from synth.timing import Discrete, period
 
+FEWEST = 256  # coefficients of a table that are not 0
+FILLED = 0.75  # least share of each column of a table that is not 0
 STARTED = Signal("started", "1", 0, 1, "the first sample is over")
 
 
@@ -61,6 +69,7 @@ def block(
     next = [_Row(f"next_{s.name}", s, v) for s, v in zip(states, np.hstack([model.A, model.B]), strict=True)]
     out = [_Row(s.name, s, v) for s, v in zip(outputs, np.hstack([model.C, model.D]), strict=True)]
     first = [] if start is None else _start_rows(name, model, start, states)
+    tables = _tables(next, len(states)) | _tables(out, len(states))
     constants = [
         Constant(_name(row, c), float(v), _unit(row.signal, c), f"{tag}: {row.label} from {c.name}")
         for row in (*next, *out, *first)
@@ -72,7 +81,12 @@ def block(
         current = {**x, **u}
 
         def total(row: _Row, begin: ca.SX) -> ca.SX:
-            terms = [(c, float(v)) for c, v in zip(columns, row.values, strict=True) if v]
+            common = tables.get(row.label, [])
+            terms = [
+                (c, float(v)) for j, (c, v) in enumerate(zip(columns, row.values, strict=True)) if v and j not in common
+            ]
+            factors = [k.get(_name(row, columns[j]), ca.SX(float(row.values[j]))) for j in common]
+            begin = begin + dot(factors, [current[columns[j].name] for j in common]) if common else begin
             return sum((k.get(_name(row, c), v) * current[c.name] for c, v in terms), start=begin)
 
         initial = {row.signal.name: clip(total(row, x[row.signal.name]), row.signal) for row in first}
@@ -86,6 +100,25 @@ def block(
     block_states = [State(s, float(v)) for s, v in zip(states, after_init, strict=True)]
     block_states += [] if start is None else [State(STARTED, 0, integer=True)]
     return build(name, time, law, inputs=inputs, outputs=outputs, states=block_states, constants=constants, tag=tag)
+
+
+def _tables(rows: Sequence[_Row], n: int) -> dict[str, list[int]]:
+    """Return by label of each row that becomes one of a table the columns of this table; the first n are of states.
+
+    The rows of a table have most of the columns of the fullest one that is left. All of them depend on its inputs: a
+    coefficient of 0 would count as a dependence, which may close an algebraic loop.
+    """
+    tables: dict[str, list[int]] = {}
+    left = {row.label: row.values != 0 for row in rows if row.values.any()}
+    while left:
+        fullest = max(left.values(), key=np.count_nonzero)
+        alike = {label: entries for label, entries in left.items() if entries[fullest].mean() >= FILLED}
+        share = np.mean([*alike.values()], axis=0)
+        columns = np.flatnonzero(share >= np.where(np.arange(len(share)) < n, FILLED, 1))
+        if sum(entries[columns].sum() for entries in alike.values()) >= FEWEST:
+            tables |= dict.fromkeys(alike, columns.tolist())
+        left = {label: entries for label, entries in left.items() if label not in alike}
+    return tables
 
 
 def _start_rows(name: str, model: StateSpace, start: Start, states: Sequence[Signal]) -> list[_Row]:

@@ -14,7 +14,7 @@ by CasADi behind the header of the emitted C, in its scalar type.
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import groupby
 from textwrap import wrap
@@ -29,7 +29,7 @@ from synth.emit.c.lines import Line, comment, prose
 from synth.emit.passes.guards import guard_function
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program.layout import Layout
-from synth.emit.program.lower import Program
+from synth.emit.program.lower import Matrix, Program
 from synth.emit.program.operations import LIBM
 from synth.emit.proof.ranges import kinds
 from synth.errors import EmitError
@@ -122,6 +122,8 @@ def source(
     parts += _guards(block, program, layout)
     for name in dict.fromkeys(n.name for q in programs for n in q.nodes if n.op == "table"):
         parts += [*_table(name, program.tables[name], layout), ""]
+    for name in dict.fromkeys(n.name for q in programs for n in q.nodes if n.op == "product"):
+        parts += [*_matrix(block.name, name, program.matrices[name], layout), ""]
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
     shared = [row for declare in _constants(block, program, layout).values() for row in declare("    ")]
@@ -276,6 +278,43 @@ def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
     numbers = ", ".join(literal(v, layout.scalar).c for v in values)
     rows = wrap(numbers, 112, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False)
     return [f"static const {layout.ctype} {constant(name)}[{len(values)}] = {{", *rows, "};"]
+
+
+def _matrix(block: str, name: str, matrix: Matrix, layout: Layout) -> list[str]:
+    """Return the function that multiplies by a matrix, which is an array of its rows in it."""
+    m, n, t = len(matrix.rows), len(matrix.columns), layout.ctype
+    rows = []
+    for row, values in zip(matrix.rows, matrix.values, strict=True):
+        numbers = ", ".join(literal(v, layout.scalar).c for v in values)
+        texts = wrap(numbers, 112, initial_indent=" " * 12, subsequent_indent=" " * 12, break_on_hyphens=False)
+        rows += [f"        {{ /* {row} */", *texts, "        },"]
+    pairs = [
+        f"    /*@ loop unroll {m // 2}; */",
+        f"    for (uint32_t i = 0u; i < {m - m % 2}u; i += 2u) {{",
+        *_sums({"i": "first", "i + 1u": "second"}, n, t, "        "),
+        "    }",
+    ]
+    about = (
+        "Set y to a matrix times x, each row added from left to right; two rows share the loads of x. It has a row for "
+        f"each of {', '.join(matrix.rows)}, and a column for each of {', '.join(matrix.columns)}."
+    )
+    return [
+        *comment(about),
+        *(f"static inline void {block}_{name}_times(const {t} x[{n}], {t} y[{m}])", "{"),
+        *(f"    static const {t} matrix[{m}][{n}] = {{", *rows, "    };", ""),
+        *(pairs if m > 1 else []),
+        *(_sums({f"{m - 1}": "last"}, n, t, "    ") if m % 2 else []),
+        "}",
+    ]
+
+
+def _sums(places: Mapping[str, str], n: int, ctype: str, indent: str) -> list[str]:
+    """Return the loop that adds the products of the rows at some places, which have these names."""
+    rows = [f"const {ctype} *const {row} = matrix[{i}];" for i, row in places.items()]
+    rows += [f"{ctype} {row}_sum = {row}[0] * x[0];" for row in places.values()]
+    rows += [f"/*@ loop unroll {n - 1}; */", f"for (uint32_t j = 1u; j < {n}u; j++) {{"]
+    rows += [f"    {row}_sum += {row}[j] * x[j];" for row in places.values()]
+    return [indent + row for row in (*rows, "}", *(f"y[{i}] = {row}_sum;" for i, row in places.items()))]
 
 
 def _constants(block: Block, program: Program, layout: Layout) -> dict[str, Callable[[str], Sequence[str]]]:

@@ -232,7 +232,7 @@ def _next_states_alone(
             stored |= _next_states_alone(p, s.then, kinds, reads, named) | _next_states_alone(
                 p, s.other, kinds, reads, named
             )
-        printed = isinstance(s, Let) and p.nodes[s.node].op not in (*LOADS, "result")
+        printed = isinstance(s, Let) and p.nodes[s.node].op not in (*LOADS, "result", "row")
         if not isinstance(s, Let) or not printed or s.node in named or kinds[s.node] != "real":
             continue
         of_node = stores.get(s.node, [])

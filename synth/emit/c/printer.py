@@ -4,8 +4,10 @@ Locals are `const` unless an `if` assigns their value.
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from textwrap import wrap
 
 import numpy as np
 
@@ -65,6 +67,9 @@ class _Printer:
         self.block, self.watched, self.returned = block, diagnostics.of_program(program), dict[str, str]()
         self.printed, self.owners, self.tag = list[Line](), parts.by_node(program), ""
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
+        self.unread = Counter[str]()  # how often a line will read it
+        self.columns = dict[tuple[int, ...], str]()  # arrays of what matrices multiply
+        self.sharing = Counter[tuple[int, ...]]()  # how many products of a block multiply it
 
     def routine(self, routine: Routine, title: str) -> list[Line]:
         """Return the lines of a routine's body."""
@@ -105,6 +110,8 @@ class _Printer:
         return printed
 
     def _block(self, block: Sequence[Statement], depth: int) -> None:
+        outside = self.sharing
+        self.sharing = Counter(self._factors_of_matrices(block)) if self.p.matrices else outside
         for s in block:
             self._annotate(s)
             if isinstance(s, Let):
@@ -117,7 +124,16 @@ class _Printer:
                 self._store(s, depth)
             elif isinstance(s, Branch):
                 self._branch(s, depth)
+        self.sharing = outside
         self._record(block, depth)
+
+    def _factors_of_matrices(self, block: Sequence[Statement]) -> Iterator[tuple[int, ...]]:
+        """Yield what each product with a matrix in some statements multiplies."""
+        for s in block:
+            if isinstance(s, Let) and self.p.nodes[s.node].op == "product":
+                yield self.p.nodes[s.node].args
+            elif isinstance(s, Branch):
+                yield from self._factors_of_matrices((*s.then, *s.other))
 
     def _record(self, block: Sequence[Statement], depth: int) -> None:
         """Record the signals that a block of statements computes, for the diagnostics."""
@@ -159,6 +175,12 @@ class _Printer:
         if node.op == "result":
             self.c.text[k] = Text(self.returned[node.name])
             return
+        if node.op == "product":
+            self._product(k, depth)
+            return
+        if node.op == "row":
+            self.c.text[k] = Text(f"{self.c.text[node.args[0]].c}[{int(node.value)}]")
+            return
         text = self.c.of(k)
         if k in self.locals.stored:
             place = f"state->{self._path(self.locals.stored[k])}"
@@ -172,8 +194,11 @@ class _Printer:
         if waits and (self.naming.width(text.c) < width or k in self.locals.at_once):
             self.c.text[k] = text
             return
-        if self.locals.reads[k] == 1 and (k in self.locals.direct_loads or self._can_wait(node)):
+        once = self.locals.reads[k] == 1 and (k in self.locals.direct_loads or self._can_wait(node))
+        may_wait = (node.op == "input" or self._can_wait(node)) and k not in self.watched.signals
+        if once or (may_wait and any(self.p.nodes[u].op == "product" for u in self.users[k])):
             self.waiting |= {} if k in self.locals.direct_loads else {text.c: node.name}
+            self.unread[text.c] = self.locals.reads[k]
             self.c.text[k] = text
             return
         name = self.locals.name.get(k) or self._new_name(k)
@@ -182,6 +207,23 @@ class _Printer:
         if node.op == "within":
             low, high = (self.c.value(a).c for a in node.args[1:])
             self._put(admission(name, low, high), depth)
+
+    def _product(self, k: int, depth: int) -> None:
+        """Print the values that a matrix multiplies as an array, and the call that fills an array with its rows."""
+        node = self.p.nodes[k]
+        matrix = self.p.matrices[node.name]
+        if node.args not in self.columns:
+            self.columns[node.args] = self.locals.identifiers.free("columns")
+            self._put(f"const {self.c.ctype(k)} {self.columns[node.args]}[{len(node.args)}] = {{", depth)
+            texts = wrap(", ".join(self.c.value(a).c for a in node.args), _WIDTH - 4 * depth, break_on_hyphens=False)
+            for row in [*(f"    {text}" for text in texts), "};"]:
+                self._put(row, depth)
+            for a in node.args:  # the array has it for the other products in its scope
+                self._note_reads(self.c.operand(a).c, self.sharing[node.args] - 1)
+        rows = self.locals.identifiers.free(f"{node.name.removesuffix('_matrix')}_rows")
+        self._put(f"{self.c.ctype(k)} {rows}[{len(matrix.rows)}];", depth)
+        self._put(f"{self.block.name}_{node.name}_times({self.columns[node.args]}, {rows});", depth)
+        self.c.text[k] = Text(rows)
 
     def _branch(self, s: Branch, depth: int) -> None:
         for c, start in s.choices:
@@ -194,13 +236,14 @@ class _Printer:
             self.c.text[c] = Text(name)
         condition, negation, tag = self.c.condition(s.condition), self.c.negation(s.condition), self.tag
         before, sides = self.printed, []
+        outside = self.columns
         for side in (s.then, s.other):
-            self.printed, self.tag = [], tag
+            self.printed, self.tag, self.columns = [], tag, {**outside}
             for bound in self.c.bounds_of_squares(s.condition) if side is s.then else ():
                 self._put(bound, depth + 1)
             self._block(side, depth + 1)
             sides.append(self.printed)
-        (then, other), self.printed, self.tag = sides, before, tag
+        (then, other), self.printed, self.tag, self.columns = sides, before, tag, outside
         if then:
             self._put(f"if ({condition.c}) {{", depth)
             self.printed += then
@@ -276,12 +319,17 @@ class _Printer:
     def _check_loads(self, text: str) -> None:
         """Note the loads that a line reads, and those that it would change before they are read."""
         target, _, value = text.partition(" = ")
-        for place in [w for w in self.waiting if re.search(rf"{re.escape(w)}\b", value or text)]:
-            del self.waiting[place]
+        for place in [*self.waiting]:
+            self._note_reads(place, len(re.findall(rf"{re.escape(place)}\b", value or text)))
         for place, state in list(self.waiting.items()):
             owner = place.rsplit(".", 1)[0]
             if target == place or re.search(rf"&{re.escape(owner)}\b", text):
                 self.late.add(state)
+
+    def _note_reads(self, place: str, reads: int) -> None:
+        self.unread[place] -= reads
+        if self.unread[place] <= 0:
+            self.waiting.pop(place, "")
 
     def _new_name(self, k: int) -> str:
         node = self.p.nodes[k]

@@ -187,6 +187,7 @@ class _Builder:
             next,
             frozenset(local for state, local in part.local.items() if state in p.integers),
             polynomials=p.polynomials,
+            matrices=p.matrices,
             by_value=len(self.parameters) <= BY_VALUE and self._reads_parameters(),
             typed={a.name: a.kind for a in self.arguments.values()},
             labels={self.index[k]: name for k, name in p.labels.items() if k in part.region and k in self.index},

@@ -264,7 +264,11 @@ def _units(p: Program) -> list[tuple[str, int]]:
     for k, node in enumerate(p.nodes):
         if node.op == "choose" and node.value == IDLE:
             units[k] = units[max(node.args[1:])]
-    return _small_ones_in_step(p, units)
+    units = _small_ones_in_step(p, units)
+    for k, node in enumerate(p.nodes):
+        if node.op == "row":  # of an array that no function returns
+            units[k] = units[node.args[0]]
+    return units
 
 
 def _small_ones_in_step(p: Program, units: list[tuple[str, int]]) -> list[tuple[str, int]]:
@@ -340,7 +344,8 @@ def _order(p: Program, units: Sequence[tuple[str, int]]) -> _Order:
                 needed = exported
             known = done | ready[unit]
             decided = {k for k in exported[unit] if all(c in known for c, _ in contexts[k] or ())}
-            ready[unit] = _ancestors(p, needed[unit] | decided, ready[unit])
+            now = _ancestors(p, needed[unit] | decided, ready[unit])
+            ready[unit] = now | {k for k in ready[unit] if p.nodes[k].op == "row" and p.nodes[k].args[0] in now}
         if unit is not None:
             now = ready.pop(unit)
             done |= now

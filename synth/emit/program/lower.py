@@ -17,6 +17,7 @@ NumPy evaluation of programs: the value of each node for arrays of loads, in dou
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from itertools import groupby
 from math import log, remainder
 from typing import Any
@@ -25,7 +26,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.block import Block, ComputedSignal
+from synth.block import Block, ComputedSignal, is_dot
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.program import words
 from synth.emit.program.operations import BINARY, LOOKUP, UNARY
@@ -53,15 +54,26 @@ class Node:
 
 
 @dataclass(frozen=True)
+class Matrix:
+    """Nodes of constants and literals (m, n), their values, and what each row computes and each column multiplies."""
+
+    coefficients: tuple[tuple[Node, ...], ...]
+    values: tuple[tuple[float, ...], ...]
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Program:
     """Nodes in the order of computation, and the node of each named signal, output, next state and the fault word.
 
     `marks` holds (signal, node) in the order of the composition; `word` is None for a Block without faults.
     `polynomials` maps the name of a "polynomial" node to its polynomial, and `tables` that of a "table" node to its
-    numbers. `products` maps the name of a constant that folding introduced to the two constants that it multiplies.
-    `titles` maps each Block of the composition to its description and the number of its equation, `notes` to sentences
-    about it. `labels` are names of nodes that the laws give, for the locals of the C. `recorded` and `limited` are the
-    signals of which diagnostics have the value, or that they are at a limit.
+    numbers, and `matrices` that of a "product" node, of which a "row" is an element. `products` maps the name of a
+    constant that folding introduced to the two constants that it multiplies. `titles` maps each Block of the
+    composition to its description and the number of its equation, `notes` to sentences about it. `labels` are names of
+    nodes that the laws give, for the locals of the C. `recorded` and `limited` are the signals of which diagnostics
+    have the value, or that they are at a limit.
     """
 
     nodes: tuple[Node, ...]
@@ -74,6 +86,7 @@ class Program:
     products: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     titles: Mapping[str, str] = field(default_factory=dict)
     tables: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    matrices: Mapping[str, Matrix] = field(default_factory=dict)
     calls: Mapping[str, Any] = field(default_factory=dict)
     typed: Mapping[str, str] = field(default_factory=dict)
     returns: Mapping[str, int] = field(default_factory=dict)
@@ -254,6 +267,9 @@ def walk(
             slot[o[0]] = nodes.place(Node("literal", value=f.instruction_constant(k)))
         elif op == ca.OP_CALL:
             called = terms[k].which_function()
+            if is_dot(called):
+                slot[o[0]] = nodes.put("dot", *(slot[a] for a in i))
+                continue
             _add_table(called, tables, [name for _, name in loads])
             slot[o[0]] = nodes.place(Node("table", (slot[i[0]],), name=called.name()))
         else:
@@ -386,6 +402,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "mul": np.multiply,
     "div": np.divide,
     "fma": lambda a, b, c: a * b + c,  # rounded twice, unlike in C
+    "dot": lambda *a: reduce(np.add, map(np.multiply, a[: len(a) // 2], a[len(a) // 2 :])),
     "min": np.minimum,
     "max": np.maximum,
     "lt": np.less,

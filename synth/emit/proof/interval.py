@@ -236,6 +236,21 @@ def lookup(values: Sequence[float], index: Interval) -> Interval:
     return Interval(low, high, index.nan)
 
 
+def dot(coefficients: Sequence[float], values: Sequence[Interval], contracted: bool) -> Interval:
+    """Return the range of c_1 x_1 + c_2 x_2 + .., rounded from left to right."""
+    low, high, nan = (np.stack(np.broadcast_arrays(*side)) for side in zip(*(v.sides for v in values), strict=True))
+    c = np.asarray(coefficients, low.dtype)[:, None]
+    products = _mul(Interval(c, c, np.zeros(c.shape, bool)), Interval(low, high, nan))
+    products = unrounded(products) if contracted else products
+    low, high = (np.add.accumulate(side, axis=0) for side in (products.low, products.high))
+    below, above = (
+        (np.isinf(sums) | np.isinf(products_)).any(axis=0)
+        for sums, products_ in ((low, products.low), (high, products.high))
+    )
+    unknown = products.nan.any(axis=0) | (below & above)
+    return Interval(np.where(below, -inf, low[-1]), np.where(above, inf, high[-1]), unknown)
+
+
 def polynomial(coefficients: Sequence[float], v: Interval, contracted: bool) -> Interval:
     """Return the range of c_0 + v (c_1 + v (... + v c_n)) by Horner's rule; a coefficient 0 is not added.
 

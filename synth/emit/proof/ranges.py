@@ -26,6 +26,8 @@ from synth.emit.proof.conditions import Decided, Narrowing
 from synth.emit.proof.interval import (
     Interval,
     Mask,
+    dot,
+    hull,
     intersection,
     interval,
     lookup,
@@ -186,6 +188,12 @@ def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, 
             unrounded(a, _is_positive(nodes[k], R)) if k in s.products else a
             for k, a in zip(node.args, args, strict=True)
         ]
+    if node.op == "product":  # what it multiplies; each row has its own range
+        return reduce(hull, (R[a] for a in node.args))
+    if node.op == "row":
+        product = s.program.nodes[node.args[0]]
+        coefficients = s.program.matrices[product.name].values[int(node.value)]
+        return dot(coefficients, [R[a] for a in product.args], arithmetic.contracted)
     if node.op == "table":
         return lookup(s.program.tables[node.name], args[0])
     if node.op == "polynomial":

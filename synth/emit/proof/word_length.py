@@ -222,8 +222,21 @@ def _forms(program: Program, constants: Mapping[str, float], rounded: Callable[[
     forms: list[Form] = []
     for k, node in enumerate(program.nodes):
         form = _form(node, [forms[a] for a in node.args], values, rounded)
+        form = _row(program, node, forms, values, rounded) if node.op == "row" else form
         forms.append({k: 1.0} if form is None else form)
     return forms
+
+
+def _row(
+    program: Program, node: Node, forms: Sequence[Form], values: Mapping[str, float], rounded: Callable[[float], float]
+) -> Form:
+    """Return a row of a product with a matrix as a linear form."""
+    product, form = program.nodes[node.args[0]], dict[int, float]()
+    row = program.matrices[product.name].coefficients[int(node.value)]
+    for c, a in zip(row, product.args, strict=True):
+        factor = values[c.name] if c.op == "constant" else rounded(c.value)
+        form |= {j: form.get(j, 0.0) + factor * v for j, v in forms[a].items()} if factor else {}
+    return form
 
 
 def _form(

@@ -46,6 +46,7 @@ _OPERATIONS: dict[str, Callable[..., sp.Expr]] = {
     "add": lambda a, b: a + b,
     "sub": lambda a, b: a - b,
     "mul": lambda a, b: a * b,
+    "dot": lambda *a: sum((k * x for k, x in zip(a[: len(a) // 2], a[len(a) // 2 :], strict=True)), sp.Integer(0)),
     "div": lambda a, b: a / b,
     "pow": lambda a, b: a**b,
     "fabs": sp.Abs,

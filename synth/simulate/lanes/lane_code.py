@@ -273,7 +273,7 @@ class _Lanes:
 
     def _node(self, k: int) -> list[str]:
         node = self.p.nodes[k]
-        if node.op in ("literal", "constant"):
+        if node.op in ("literal", "constant", "product"):
             return []
         t = {"logical": self.m, "integer": self.u}.get(self.kinds[k], self.v)
         return [f"const {t} n{k} = {self._of(k, node)};"]
@@ -318,6 +318,8 @@ class _Lanes:
         op, args = node.op, node.args
         if op in ("input", "state", "parameter"):
             return self._load(node)
+        if op == "row":
+            return self._row(self.p.nodes[args[0]], int(node.value))
         if op == "not":
             return f"~{self.truth(args[0])}"
         if op in ("and", "or"):
@@ -370,6 +372,14 @@ class _Lanes:
             return f"__builtin_convertvector(__builtin_convertvector({sides[0]}, {self.u}), {self.v})"
         suffix = "f" if op in LIBM - {"fabs"} and self.scalar is np.float32 else ""
         return f"{self.v}_{op}{suffix}({', '.join(sides)})"
+
+    def _row(self, product: Node, i: int) -> str:
+        """Return a row of a product with a matrix, whose coefficients are those of the controller in these lanes."""
+        texts = [
+            f"constants[{self.rows.constants.index(c.name)}]" if c.op == "constant" else literal(c.value, self.scalar).c
+            for c in self.p.matrices[product.name].coefficients[i]
+        ]
+        return " + ".join(f"{text} * {self.real(a)}" for text, a in zip(texts, product.args, strict=True))
 
     def _load(self, node: Node) -> str:
         rows = self.rows

@@ -62,6 +62,7 @@ SLOPES: list[tuple[str, Force, dict[str, float]]] = [
     ("z", lambda z, v, u: ca.sin(3 * ca.fabs(z)) * ca.exp(v), {"v": 0.3}),
     ("z", lambda z, v, u: ca.if_else(ca.logic_and(z > 0, v >= 0), z, 2 * z), {"v": 0.1}),
     ("z", lambda z, v, u: ca.fmax(z, v) - 2 * z, {"z": 0.3, "v": 0.3}),
+    ("z", lambda z, v, u: block.dot([ca.SX(2), ca.SX(-1e4)], [v, ca.fmax(0, z)]), {}),
     ("z", lambda z, v, u: ca.copysign(0.5 * z + 1, 1) * ca.fabs(z), {}),
 ]  # fmt: skip
 

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchmarks import chain
 from designs.maglev_5dof import design as maglev
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
@@ -94,6 +95,12 @@ def test_functions_of_two_arguments_have_the_bits_of_the_c(scalar: type) -> None
     rng = np.random.default_rng(8)
     inputs = {s.name: rng.uniform(s.low, s.high, N).astype(scalar) for s in (a, b)}
     require_same_bits(block, scalar, None, inputs, {})
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_products_with_matrices_have_the_bits_of_the_c(scalar: type) -> None:
+    inputs, states = columns(chain.guarded(8), scalar, np.random.default_rng(9))
+    assert require_same_bits(chain.guarded(8), scalar, None, inputs, states) > 3
 
 
 def require_same_bits(block: Block, scalar: type, error: float | None, inputs: dict, states: dict) -> int:
