@@ -88,7 +88,7 @@ def block(axis: str, time: Discrete) -> Block:
         next = {n: ca.if_else(in_bounds, value, restart[n]) for n, (_, value) in zip("psh", limited, strict=True)}
         output = {axis: ca.if_else(in_bounds, now, u[raw.name]), predicted.name: x["p"]}
         bound = Constant("fastest", fastest, predicted.unit, "T times the speed beyond which the filter restarts")
-        label(a=a, e=e, now=now, in_bounds=in_bounds)
+        label(e=e, now=now, a=a, next_v=v + a, in_bounds=in_bounds, estimate=output[axis])
         return Step(output, next, limited, certified, [bound])
 
     about = {"p": "predicted position", "s": "predicted velocity times T", "h": "predicted acceleration times T^2/2"}

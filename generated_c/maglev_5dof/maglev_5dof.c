@@ -220,7 +220,7 @@ typedef struct {
     float held;
     uint32_t unchanged;
     uint32_t suspect;
-    uint32_t value;
+    uint32_t out_of_use;
     bool above_gate;
     bool same;
     bool jumping;
@@ -281,7 +281,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_output_t maglev_5dof_monitor_output(const 
     uint32_t suspect = 1u;
     bool trusted = false;
     float held = expected;
-    uint32_t value = 0u;
+    uint32_t out_of_use = 0u;
     if (!jumping) {
         const uint32_t excluded = state->excluded;
         const bool usable = good && (excluded == 0u);
@@ -289,30 +289,30 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_output_t maglev_5dof_monitor_output(const 
         if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
                 fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
             suspect = stopped;
-            value = stopped;
+            out_of_use = stopped;
         } else {
             usual = sound;
             if (sound) {
                 suspect = 0u;
-                value = 0u;
+                out_of_use = 0u;
                 trusted = true;
                 held = accepted;
             } else {
                 suspect = excluded;
-                value = excluded;
+                out_of_use = excluded;
                 trusted = usable;
                 held = (usable) ? accepted : expected;
             }
         }
     }
     return (maglev_5dof_monitor_output_t){.before_next = before_next, .held = held, .unchanged = unchanged,
-        .suspect = suspect, .value = value, .above_gate = above_gate, .same = same, .jumping = jumping, .usual = usual,
-        .trusted = trusted, .far = far, .believed = believed};
+        .suspect = suspect, .out_of_use = out_of_use, .above_gate = above_gate, .same = same, .jumping = jumping,
+        .usual = usual, .trusted = trusted, .far = far, .believed = believed};
 }
 
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation */
 MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state_t *state, bool jumping,
-    uint32_t x_frozen_choice, float accepted, uint32_t unchanged, bool above_gate, bool far, bool same, bool believed,
+    uint32_t out_of_use, float accepted, uint32_t unchanged, bool above_gate, bool far, bool same, bool believed,
     float before_next)
 {
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
@@ -320,7 +320,7 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state
 
     state->code = accepted;
     state->still = unchanged;
-    uint32_t frozen = x_frozen_choice;
+    uint32_t frozen = out_of_use;
     if (jumping) {
         frozen = state->excluded;
         const uint32_t jumps = state->jumps;
@@ -331,7 +331,7 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state
             state->jumps = jumps + 1u;
         }
     } else {
-        state->excluded = x_frozen_choice;
+        state->excluded = out_of_use;
         state->jumps = 0u;
     }
     const uint32_t doubts = state->doubts;
@@ -1640,10 +1640,10 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
         }
     } else {
         const uint32_t x_frozen = maglev_5dof_monitor_update(&state->x_monitor, x_monitor_output.jumping,
-            x_monitor_output.value, accepted.x, x_monitor_output.unchanged, x_monitor_output.above_gate,
+            x_monitor_output.out_of_use, accepted.x, x_monitor_output.unchanged, x_monitor_output.above_gate,
             x_monitor_output.far, x_monitor_output.same, x_monitor_output.believed, x_monitor_output.before_next);
         const uint32_t z_frozen = maglev_5dof_monitor_update(&state->z_monitor, z_monitor_output.jumping,
-            z_monitor_output.value, accepted.z, z_monitor_output.unchanged, z_monitor_output.above_gate,
+            z_monitor_output.out_of_use, accepted.z, z_monitor_output.unchanged, z_monitor_output.above_gate,
             z_monitor_output.far, z_monitor_output.same, z_monitor_output.believed, z_monitor_output.before_next);
         const maglev_5dof_redundancy_update_t redundancy_update = maglev_5dof_redundancy_update(&state->redundancy,
             redundancy_output_2.calm, z_monitor_output.trusted, x_monitor_output.trusted, redundancy_output_2.whole,

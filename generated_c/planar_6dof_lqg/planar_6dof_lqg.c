@@ -208,38 +208,38 @@ PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_sensing_output_t planar_6dof_lqg_sensing_o
             const bool is_jump = squared_jump < first_squared;
             const bool r_exceeds_x = significant_r < first_r_2_size;
             const bool r_exceeds_y = significant_r < first_r_1_size;
-            bool suspect_V_ax_test;
-            bool suspect_V_ay_test;
-            bool suspect_V_bx_test = m_exceeds_x;
-            bool suspect_V_by_test;
-            bool suspect_V_cx_test;
-            bool suspect_V_cy_test = m_exceeds_y;
+            bool fits_V_ax;
+            bool fits_V_ay;
+            bool fits_V_bx = m_exceeds_x;
+            bool fits_V_by;
+            bool fits_V_cx;
+            bool fits_V_cy = m_exceeds_y;
             if (is_jump) {
                 const bool nearly_zero_x = size_x < nearly_zero_m;
                 const float change_x = fabsf(first_r_2 * ((2.0f * state->first_s_x) + first_r_2));
-                suspect_V_ax_test = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
+                fits_V_ax = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
                 const bool nearly_zero_y = size_y < nearly_zero_m;
                 const float change_y = fabsf(first_r_1 * ((2.0f * state->first_s_y) + first_r_1));
-                suspect_V_ay_test = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
-                suspect_V_bx_test = (change_x + nearly_zero_m) < size_x;
-                suspect_V_by_test = r_exceeds_y && nearly_zero_y;
-                suspect_V_cx_test = r_exceeds_x && nearly_zero_x;
-                suspect_V_cy_test = (change_y + nearly_zero_m) < size_y;
+                fits_V_ay = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
+                fits_V_bx = (change_x + nearly_zero_m) < size_x;
+                fits_V_by = r_exceeds_y && nearly_zero_y;
+                fits_V_cx = r_exceeds_x && nearly_zero_x;
+                fits_V_cy = (change_y + nearly_zero_m) < size_y;
             } else {
                 const bool any_r_exceeds = r_exceeds_x || r_exceeds_y;
-                suspect_V_ax_test = any_r_exceeds || m_exceeds_x;
-                suspect_V_ay_test = any_r_exceeds || m_exceeds_y;
-                suspect_V_by_test = any_r_exceeds;
-                suspect_V_cx_test = any_r_exceeds;
+                fits_V_ax = any_r_exceeds || m_exceeds_x;
+                fits_V_ay = any_r_exceeds || m_exceeds_y;
+                fits_V_by = any_r_exceeds;
+                fits_V_cx = any_r_exceeds;
             }
             const bool is_any = (max_known_yaw < fabsf(state->first_phi)) || (both_m_exceed && !is_jump) || common ||
                 (first_squared <= squared_residual_limit);
-            suspect_V_ax = suspect_V_ax_test || is_any;
-            suspect_V_ay = suspect_V_ay_test || is_any;
-            suspect_V_bx = suspect_V_bx_test || is_any;
-            suspect_V_by = suspect_V_by_test || is_any;
-            suspect_V_cx = suspect_V_cx_test || is_any;
-            suspect_V_cy = suspect_V_cy_test || is_any;
+            suspect_V_ax = fits_V_ax || is_any;
+            suspect_V_ay = fits_V_ay || is_any;
+            suspect_V_bx = fits_V_bx || is_any;
+            suspect_V_by = fits_V_by || is_any;
+            suspect_V_cx = fits_V_cx || is_any;
+            suspect_V_cy = fits_V_cy || is_any;
         }
         other_amplitude = common && (frozen < 1u);
     }

@@ -135,7 +135,9 @@ def suspects(x: Exprs, A: float, unassigned: ca.SX) -> dict[str, ca.SX]:
         }
         after_drift = {s: ca.logic_or(any_r_exceeds, m_exceeds[a]), c: m_exceeds[a], other: any_r_exceeds}
         for name, flag in after_jump.items():
-            flags[name] = ca.logic_or(ca.if_else(is_jump, flag, after_drift[name]), is_any)
+            fits = ca.if_else(is_jump, flag, after_drift[name])
+            flags[name] = ca.logic_or(fits, is_any)
+            label(name, fits=fits)
         label(a, nearly_zero=nearly_zero, change=change)
     label(
         both_m_exceed=both_m_exceed, any_r_exceeds=any_r_exceeds, first_squared=first_squared, is_jump=is_jump,

@@ -230,9 +230,11 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         }
         if n in decision.jump:
             next["jumps"] = by_case(ca.if_else(last, 0, x["jumps"] + 1), 0, 0, 0)
+        out_of_use = ca.if_else(stands, stopped, ca.if_else(sound, 0, excluded))  # unless it jumps
         label(
             agreeing=agreeing, same=same, believed=believed, unchanged=unchanged, jumping=jumping, stands=stands,
             usable=usable, stopped=stopped, growth=growth, strayed=strayed, far=far, distance=distance, moves=moves,
+            out_of_use=out_of_use,
         )  # fmt: skip
         return Step(output, next, numbers=decision.numbers_of_monitor(sensor))
 

@@ -275,7 +275,8 @@ def _vote(
     label(
         direction=direction, E=E, score=score, best=best, final=final, agrees=agrees, agreement=agreement, whole=whole,
         waited=waited, doubted=doubted, decided=decided, enough=enough, missing=missing, least=least,
-        isolated=isolated, left_out_now=left_out_now, readmitted=readmitted,
+        isolated=isolated, left_out_now=left_out_now, stuck_now=stuck_now,
+        readmitted=readmitted,
     )  # fmt: skip
     return _Vote(value, suspects, next, regular, sufficient, agreement, shown)
 

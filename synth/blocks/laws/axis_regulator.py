@@ -397,7 +397,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
         achieved = a + ca.mtimes(D, ca.vertcat(*(u[s.name] for s in computed)))
         output = {commands[name].excess: excess_demands[i] for i, name in enumerate(outputs)}
         limited = [commands[name].limited for name in outputs]
-        label(a=a, achieved=achieved)
+        label(drift=a, achieved=achieved)
         return Step(output | {s.name: clip(achieved[i], s) for i, s in enumerate(limited)})
 
     states, name = list(state_signals.states.values()), "_".join(outputs)

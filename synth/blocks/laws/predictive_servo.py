@@ -97,9 +97,12 @@ def block(
         step = ca.if_else(ca.fabs(moved) <= limits.fastest * T, moved, 0)
         inside = sum((v**2 for v in next.values()), start=ca.SX(0)) <= limits.memory**2
         next = {s: ca.if_else(inside, v, x[s]) for s, v in next.items()}
-        w = k["k_e"] * (u[f"{name}_ahead"] - r) + k["k_de"] * u[f"{name}_rate_ahead"] - k["k_step"] * step
-        w = sum((k[f"k_{s}"] * x[s] for s in eta), start=w) - cancelled * u[f"{name}_disturbance"]
-        label(step=step, inside=inside, w=w, e=e, moved=moved)
+        step_feedforward, cancellation = k["k_step"] * step, cancelled * u[f"{name}_disturbance"]
+        w = k["k_e"] * (u[f"{name}_ahead"] - r) + k["k_de"] * u[f"{name}_rate_ahead"] - step_feedforward
+        w = feedback = sum((k[f"k_{s}"] * x[s] for s in eta), start=w)
+        w -= cancellation
+        label(e=e, inside=inside, moved=moved, step=step, step_feedforward=step_feedforward, feedback=feedback)
+        label(cancellation=cancellation, w=w)
         return Step({demand.name: clip(w, demand)}, {**next, "r": r}, numbers=numbers)
 
     on_eta = _exact_product(gain, model.T)

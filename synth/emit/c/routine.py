@@ -15,6 +15,7 @@ from typing import NamedTuple
 from synth.block import ComputedSignal
 from synth.emit.c import diagnostics
 from synth.emit.c.expressions import GUARDS, HELPERS, RESERVED
+from synth.emit.c.locals import Names
 from synth.emit.c.naming import Naming
 from synth.emit.passes.parts import BOTH, THEN, Form, Part, latch
 from synth.emit.program import words
@@ -82,21 +83,6 @@ class Call:
     def parameters(self) -> str:
         """The name of the struct of its numbers."""
         return f"{self.block}_{self.routine.name}"
-
-
-class Names:
-    """Names of one function, each given once."""
-
-    def __init__(self, taken: set[str]) -> None:
-        self.taken = taken
-
-    def free(self, name: str) -> str:
-        """Return an unused name that begins with `name`, and reserve it."""
-        free, n = name, 2
-        while free in self.taken:
-            free, n = f"{name}_{n}", n + 1
-        self.taken.add(free)
-        return free
 
 
 def routine(p: Program, group: Group, taken: Names, constants: Mapping[str, float]) -> Routine:

@@ -29,16 +29,25 @@ THEN, OTHER, BOTH = 0, 1, 2  # the sides of the latch that need a value
 
 
 def by_node(p: Program) -> list[str]:
-    """Return for each node the Block of the first signal or next state that it is computed for, "" for none."""
-    ends = {k: p.owner(state) for state, k in p.next.items()} | {k: named.block for named, k in reversed(p.marks)}
-    owner, nearest = [""] * len(p.nodes), [len(p.nodes)] * len(p.nodes)
+    """Return for each node the Block whose operation it is, "" for none.
+
+    It is that of the first signal or next state that the node is computed for. A Block that so has few operations has
+    those that it is the first one to need.
+    """
+    blocks = [*p.titles]
+    ends = {k: p.owner(state) for state, k in reversed(p.next.items())} | {k: n.block for n, k in reversed(p.marks)}
+    order = {block: i for i, block in enumerate(blocks)}
+    owner, nearest, first = [""] * len(p.nodes), [len(p.nodes)] * len(p.nodes), [len(blocks)] * len(p.nodes)
     for k in range(len(p.nodes) - 1, -1, -1):
         if k in ends:
-            nearest[k], owner[k] = k, ends[k]
+            nearest[k], owner[k], first[k] = k, ends[k], order.get(ends[k], len(blocks))
         for a in p.nodes[k].args:
+            first[a] = min(first[a], first[k])
             if nearest[k] < nearest[a]:
                 nearest[a], owner[a] = nearest[k], owner[k]
-    return owner
+    sizes = Counter(block for block, node in zip(owner, p.nodes, strict=True) if node.op not in LEAVES)
+    needed = [*map([*blocks, ""].__getitem__, first)]
+    return [b if b and sizes[b] < FEWEST else a for a, b in zip(owner, needed, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -219,29 +228,9 @@ def _loads(p: Program, part: Part) -> set[str]:
     return loads & part.local.keys()
 
 
-def _owners(p: Program) -> list[str]:
-    """Return for each node the Block whose operation it is.
-
-    A Block that is nearest to few operations has those that it is the first one to need.
-    """
-    blocks = [*p.titles]
-    first = [len(blocks)] * len(p.nodes)
-    for state, k in p.next.items():
-        first[k] = min(first[k], blocks.index(p.owner(state)) if p.owner(state) else len(blocks))
-    named = {k: blocks.index(mark.block) for mark, k in reversed(p.marks)}
-    for k in range(len(p.nodes) - 1, -1, -1):
-        first[k] = named.get(k, first[k])
-        for a in p.nodes[k].args:
-            first[a] = min(first[a], first[k])
-    owner = by_node(p)
-    sizes = Counter(block for block, node in zip(owner, p.nodes, strict=True) if node.op not in LEAVES)
-    needed = [*map([*blocks, ""].__getitem__, first)]
-    return [b if b and sizes[b] < FEWEST else a for a, b in zip(owner, needed, strict=True)]
-
-
 def _units(p: Program) -> list[tuple[str, int]]:
     """Return for each node its Block and the side of the latch that needs it, ("", BOTH) for one of the step."""
-    owner, held = _owners(p), latch(p)
+    owner, held = by_node(p), latch(p)
     needs: list[set[int]] = [set() for _ in p.nodes]
     for k in p.ends():
         needs[k] = {THEN, OTHER}
