@@ -45,8 +45,8 @@ MARGIN = 1.001  # of a computed force's range over its largest value
 BAD_SAMPLES = 5
 SAMPLES = 2000  # compared random steps
 _TABLES = (
-    re.compile(r" It has a row for each of .*?(?= \*/)", re.S),
-    re.compile(r"    static const \w+ matrix\[\d+\]\[\d+\] = \{.*?\n    \};\n", re.S),
+    re.compile(r"/\* A row for each of .*?\*/\n", re.S),
+    re.compile(r"    static const \w+ matrix\[\d+\] = \{.*?\n    \};\n", re.S),
 )
 
 

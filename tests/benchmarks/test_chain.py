@@ -15,7 +15,7 @@ from tests import tolerances
 MOST_LINES = 250  # beside the tables
 DOUBLE = tolerances.of("double")
 
-_ROW = re.compile(r" {8}\{ /\* \w+ \*/\n.*?\},\n", re.S)
+_ROW = re.compile(r" {8}/\* \w+ \*/\n(?: {8}-?\d[^\n]*\n)+")
 
 
 def test_eight_masses_are_short_and_compute_what_casadi_does() -> None:
@@ -33,7 +33,7 @@ def test_four_masses_have_a_name_for_each_coefficient(monkeypatch: pytest.Monkey
     text = chain.emit(4, np.float32).files["chain_4.c"]
     assert "_matrix" not in text and "static const float next_q1_predicted_from_y1 = " in text
     monkeypatch.setattr(linear_block, "FEWEST", 100)
-    assert "static const float matrix[8][16] = {" in chain.emit(4, np.float32).files["chain_4.c"]
+    assert "static const float matrix[128] = {" in chain.emit(4, np.float32).files["chain_4.c"]
 
 
 @pytest.mark.parametrize("defect", ["entry", "rows", "column"])
@@ -79,8 +79,8 @@ def costs() -> dict[tuple[int, bool, str], tuple[float, int]]:
 @pytest.mark.parametrize(
     ("n", "build", "most_instructions", "most_flash"),
     [
-        *((n, build, 1.5, flash) for build in ("gcc, newlib", "zig, musl") for n, flash in ((8, 0.42), (24, 1 / 3))),
-        *((n, "gcc, newlib, small", 1.65, flash) for n, flash in ((8, 0.45), (24, 1 / 3))),
+        *((n, build, 1.3, flash) for build in ("gcc, newlib", "zig, musl") for n, flash in ((8, 0.42), (24, 1 / 3))),
+        *((n, "gcc, newlib, small", 1.3, flash) for n, flash in ((8, 0.45), (24, 1 / 3))),
     ],
 )
 def test_loops_cost_few_instructions_and_save_flash(
@@ -90,7 +90,7 @@ def test_loops_cost_few_instructions_and_save_flash(
     most_instructions: float,
     most_flash: float,
 ) -> None:
-    """Relative to a sum for each row: from 24 masses on a third of the flash, at 8 the limits of the states weigh."""
+    """Beside sums 24 masses need less than a third of the flash; of 8 masses the limits of the states need more."""
     if (n, True, build) not in costs:
         pytest.skip(f"{build} is not installed")
     (instructions, flash), (before, flash_before) = costs[n, True, build], costs[n, False, build]

@@ -6,7 +6,7 @@ An entry of 0 produces no code, and an entry of 1 or -1 no multiplication. Every
 From FEWEST coefficients on, rows of [A, B] or of [C, D] that have most columns in common are dot products with the same
 values (`block.dot`): the C has a loop over an array of them. It adds the columns of the array from left to right, then
 a row's other entries. A sparse row stays a sum, as the loop would multiply its zeros, and so does a small matrix. On a
-Cortex-M4F the LQG of 4, 8 and 24 masses (`benchmarks/chain.py`) takes 1.4, 1.5 and 1.3 times the instructions with
+Cortex-M4F the LQG of 4, 8 and 24 masses (`benchmarks/chain.py`) takes 1.2, 1.2 and 1.1 times the instructions with
 arrays; its flash is 0.7, 0.4 and 0.3 of that with sums, which have 444, 1600 and 13778 lines.
 
 With a Start the state is a after init. The first step takes x = a + G u, limited to its range, with its own inputs u.

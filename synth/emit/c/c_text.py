@@ -122,8 +122,8 @@ def source(
     parts += _guards(block, program, layout)
     for name in dict.fromkeys(n.name for q in programs for n in q.nodes if n.op == "table"):
         parts += [*_table(name, program.tables[name], layout), ""]
-    for name in dict.fromkeys(n.name for q in programs for n in q.nodes if n.op == "product"):
-        parts += [*_matrix(block.name, name, program.matrices[name], layout), ""]
+    names = dict.fromkeys(n.name for q in programs for n in q.nodes if n.op == "product")
+    parts += _matrices(block.name, {n: program.matrices[n] for n in names}, layout) if names else []
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
     shared = [row for declare in _constants(block, program, layout).values() for row in declare("    ")]
@@ -280,41 +280,52 @@ def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
     return [f"static const {layout.ctype} {constant(name)}[{len(values)}] = {{", *rows, "};"]
 
 
-def _matrix(block: str, name: str, matrix: Matrix, layout: Layout) -> list[str]:
-    """Return the function that multiplies by a matrix, which is an array of its rows in it."""
-    m, n, t = len(matrix.rows), len(matrix.columns), layout.ctype
-    rows = []
-    for row, values in zip(matrix.rows, matrix.values, strict=True):
-        numbers = ", ".join(literal(v, layout.scalar).c for v in values)
-        texts = wrap(numbers, 112, initial_indent=" " * 12, subsequent_indent=" " * 12, break_on_hyphens=False)
-        rows += [f"        {{ /* {row} */", *texts, "        },"]
-    pairs = [
-        f"    /*@ loop unroll {m // 2}; */",
-        f"    for (uint32_t i = 0u; i < {m - m % 2}u; i += 2u) {{",
-        *_sums({"i": "first", "i + 1u": "second"}, n, t, "        "),
-        "    }",
-    ]
-    about = (
-        "Set y to a matrix times x, each row added from left to right; two rows share the loads of x. It has a row for "
-        f"each of {', '.join(matrix.rows)}, and a column for each of {', '.join(matrix.columns)}."
-    )
-    return [
-        *comment(about),
-        *(f"static inline void {block}_{name}_times(const {t} x[{n}], {t} y[{m}])", "{"),
-        *(f"    static const {t} matrix[{m}][{n}] = {{", *rows, "    };", ""),
-        *(pairs if m > 1 else []),
-        *(_sums({f"{m - 1}": "last"}, n, t, "    ") if m % 2 else []),
-        "}",
-    ]
+_ROWS = ("first", "second", "third", "fourth")  # that share the loads of what they multiply
 
 
-def _sums(places: Mapping[str, str], n: int, ctype: str, indent: str) -> list[str]:
-    """Return the loop that adds the products of the rows at some places, which have these names."""
-    rows = [f"const {ctype} *const {row} = matrix[{i}];" for i, row in places.items()]
-    rows += [f"{ctype} {row}_sum = {row}[0] * x[0];" for row in places.values()]
-    rows += [f"/*@ loop unroll {n - 1}; */", f"for (uint32_t j = 1u; j < {n}u; j++) {{"]
-    rows += [f"    {row}_sum += {row}[j] * x[j];" for row in places.values()]
-    return [indent + row for row in (*rows, "}", *(f"y[{i}] = {row}_sum;" for i, row in places.items()))]
+def _matrices(block: str, matrices: Mapping[str, Matrix], layout: Layout) -> list[str]:
+    """Return the function that multiplies by a matrix, and for each matrix one that has its rows in an array."""
+    t, bounds = layout.ctype, [max(len(getattr(M, side)) for M in matrices.values()) for side in ("rows", "columns")]
+    parts = [
+        *comment(
+            "Set y to a matrix of m rows and n columns times x, each row added from left to right. Four rows share the "
+            "loads of x."
+        ),
+        f"static inline void {block}_times(const {t} *matrix, uint32_t m, uint32_t n, const {t} *x, {t} *y)",
+        *("{", "    uint32_t i = 0u;"),
+        *(
+            f"    /*@ loop unroll {bounds[0] // 4}; */",
+            "    while ((i + 3u) < m) {",
+            *_sums(_ROWS, t, bounds[1]),
+            "    }",
+        ),
+        *("    /*@ loop unroll 3; */", "    while (i < m) {", *_sums(_ROWS[:1], t, bounds[1]), "    }", "}", ""),
+    ]
+    for name, matrix in matrices.items():
+        rows = []
+        for row, values in zip(matrix.rows, matrix.values, strict=True):
+            numbers = ", ".join(literal(v, layout.scalar).c for v in values)
+            rows.append(f"        /* {row} */")
+            rows += wrap(f"{numbers},", 112, initial_indent=" " * 8, subsequent_indent=" " * 8, break_on_hyphens=False)
+        m, n = len(matrix.rows), len(matrix.columns)
+        about = f"A row for each of {', '.join(matrix.rows)}; a column for each of {', '.join(matrix.columns)}."
+        parts += [
+            *comment(about),
+            *(f"static inline void {block}_{name}_times(const {t} *x, {t} *y)", "{"),
+            *(f"    static const {t} matrix[{m * n}] = {{", *rows, "    };", ""),
+            *(f"    {block}_times(matrix, {m}u, {n}u, x, y);", "}", ""),
+        ]
+    return parts
+
+
+def _sums(names: Sequence[str], ctype: str, columns: int) -> list[str]:
+    """Return the body of a loop that adds the products of the rows from i on, which have these names."""
+    rows = [f"const {ctype} *const {row} = &matrix[(i + {k}u) * n];" for k, row in enumerate(names)]
+    rows += [f"{ctype} {row}_sum = {row}[0] * x[0];" for row in names]
+    rows += [f"/*@ loop unroll {columns - 1}; */", "for (uint32_t j = 1u; j < n; j++) {"]
+    rows += [f"    {row}_sum += {row}[j] * x[j];" for row in names]
+    rows += ["}", *(f"y[i + {k}u] = {row}_sum;" for k, row in enumerate(names)), f"i += {len(names)}u;"]
+    return [f"        {row.replace('(i + 0u)', 'i').replace('i + 0u', 'i')}" for row in rows]
 
 
 def _constants(block: Block, program: Program, layout: Layout) -> dict[str, Callable[[str], Sequence[str]]]:

@@ -27,7 +27,7 @@ BY_VALUE = 1  # numbers that need no struct, where the code reads each of them
 LARGE = 60  # operations of a function that is worth its calls where the size of the code counts
 LOADS = ("input", "state", "constant", "literal", "argument", "parameter")
 _ORDER = {"integer": 1, "logical": 2}  # of members of a struct, the others first
-TAKEN = {*HELPERS, *GUARDS, "init", "step", "body", "guard_inputs", "input", "output", "state"}
+TAKEN = {*HELPERS, *GUARDS, "times", "init", "step", "body", "guard_inputs", "input", "output", "state"}
 
 
 class Argument(NamedTuple):

@@ -65,7 +65,7 @@ def from_left(u: np.ndarray, scalar: type[np.floating]) -> np.ndarray:
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 def test_the_c_adds_each_row_from_left_to_right(scalar: type[np.floating]) -> None:
     made, u = emit(product(), scalar), inputs()
-    assert "matrix[5][7]" in made.files["made.c"] and "last_sum" in made.files["made.c"]
+    assert "static const " in made.files["made.c"] and "made_times(matrix, 5u, 7u, x, y);" in made.files["made.c"]
     np.testing.assert_array_equal(by_c(made, u), from_left(u, scalar))
     from_right = np.add.accumulate((M * u[:, None, :])[:, :, ::-1], axis=2)[:, :, -1].astype(scalar)
     assert (by_c(made, u) != from_right).any()
@@ -209,6 +209,6 @@ def test_the_loops_are_proved_and_a_longer_one_is_not() -> None:
     proof = eva.prove(made.files, made.manifest)
     assert (proof.alarms, proof.unproved, proof.proved) == ((), (), proof.claims)
     text = made.files["guarded_8.c"]
-    longer = text.replace("j < 32u", "j < 33u", 1)
+    longer = text.replace("times(matrix, 8u, 32u, x, y)", "times(matrix, 9u, 32u, x, y)")
     assert longer != text
     assert eva.prove({**made.files, "guarded_8.c": longer}, made.manifest).alarms
