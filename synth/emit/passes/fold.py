@@ -8,7 +8,7 @@
     intervals       -h <= x && x <= h  is  |x| <= h, also for NaN
     constants       k1 (k2 x) = (k1 k2) x for named constants, the product rounded to the scalar type once
     divisions       a / d and b / d, or 1/d: one reciprocal, and products
-    comparisons     y + e < x  is  e < x - y  where x - y is an argument that the condition may guard
+    comparisons     2 y + e < 2 x  is  e/2 < x - y  where x - y is an argument that the condition may guard
 
 Numbers are folded in double and rounded once, when they are printed.
 """
@@ -16,7 +16,6 @@ Numbers are folded in double and rounded once, when they are printed.
 import operator
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import permutations
 
 from synth.emit.program.lower import Node, Program
 from synth.emit.program.operations import LOGICAL
@@ -295,35 +294,104 @@ def _share_divisions(p: Program) -> Program:
 
 
 def _compare_differences(p: Program) -> Program:
-    """Compare a difference x - y itself where it is the argument of an operation that is not defined for all."""
+    """Compare a sum or difference itself where it is the argument of an operation that is not defined for all.
+
+    A comparison of numbers that differ by l d + c, with such a d and a number l, is one of d with -c / l.
+    """
     factors = {n.args[-1] for n in p.nodes if n.op in _GUARDED}
     for k in range(len(p.nodes) - 1, -1, -1):
         factors |= {*p.nodes[k].args} if k in factors and p.nodes[k].op in _FACTORS else set()
-    guarded = [p.nodes[k].args for k in factors if p.nodes[k].op == "sub"]
+    sums = [k for k in sorted(factors) if p.nodes[k].op == "sub" or _is_sum_of_values(p, k)]
+    guarded = [{frozenset(d.keys() - {_ONE}): (k, d) for k in sums for d in [_form(p, k, n)]} for n in _DEPTHS]
     f = Folder()
     index: list[int] = []
+
+    def copy(k: int) -> int:
+        """Return node k in the new program, which it may not have reached."""
+        if k < len(index):
+            return index[k]
+        return f.place(p.nodes[k].renumbered({a: copy(a) for a in p.nodes[k].args}))
+
     for node in p.nodes:
-        terms = [*_terms(p, node.args[1], 1), *_terms(p, node.args[0], -1)] if node.op in ("lt", "le") else []
-        index.append(f.place(node.renumbered(index)))
-        for (x, plus), (y, minus), (e, sign) in permutations(terms, 3) if len(terms) == 3 else ():
-            if plus == 1 and minus == -1 and not {(x, y), (y, x)}.isdisjoint(guarded):
-                x_, y_, e_ = index[x], index[y], index[e]
-                if (x, y) in guarded:
-                    sides = (e_ if sign < 0 else f.make(Node("neg", (e_,))), f.place(Node("sub", (x_, y_))))
-                else:
-                    sides = (f.place(Node("sub", (y_, x_))), e_ if sign > 0 else f.make(Node("neg", (e_,))))
-                index[-1] = f.place(Node(node.op, sides))
-                break
+        made = f.place(node.renumbered(index))
+        if node.op in ("lt", "le") and sums:
+            made = _compare(p, f, node, guarded, copy) or _compare_magnitude(p, f, node, guarded, copy) or made
+        index.append(made)
     return p.with_nodes(tuple(f.nodes), index)
+
+
+def _is_sum_of_values(p: Program, k: int) -> bool:
+    """Tell whether node k is a sum; one with a named constant is none, for that keeps it from 0 as it is."""
+    return p.nodes[k].op == "add" and not any(p.nodes[a].op in ("constant", "literal") for a in p.nodes[k].args)
 
 
 _GUARDED = ("div", "inv", "sqrt", "log")
 _FACTORS = ("mul", "sq", "neg", "fabs", "sqrt")
+_DEPTHS = range(1, 5)
+_ONE = -1
+
+_Form = dict[int, float]  # the factor of each node, and with _ONE a number
 
 
-def _terms(p: Program, k: int, sign: int) -> list[tuple[int, int]]:
-    """Return the terms of a sum or a difference of two, with their signs."""
+def _form(p: Program, k: int, depth: int) -> _Form:
+    """Return node k as a sum of multiples of nodes, so many operations deep."""
     node = p.nodes[k]
-    if node.op not in ("add", "sub"):
-        return [(k, sign)]
-    return [(node.args[0], sign), (node.args[1], sign if node.op == "add" else -sign)]
+    if node.op == "literal":
+        return {_ONE: node.value}
+    if depth and node.op == "neg":
+        return _scaled(_form(p, node.args[0], depth - 1), -1.0)
+    if depth and node.op == "mul" and p.nodes[node.args[0]].op == "literal":
+        return _scaled(_form(p, node.args[1], depth - 1), p.nodes[node.args[0]].value)
+    if depth and node.op in ("add", "sub"):
+        first, second = (_form(p, a, depth - 1) for a in node.args)
+        return _total(first, _scaled(second, 1.0 if node.op == "add" else -1.0))
+    return {k: 1.0}
+
+
+def _scaled(form: _Form, l: float) -> _Form:
+    return {k: l * v for k, v in form.items()}
+
+
+def _total(first: _Form, second: _Form) -> _Form:
+    both = {k: first.get(k, 0.0) + second.get(k, 0.0) for k in first | second}
+    return {k: v for k, v in both.items() if v}
+
+
+_Guarded = Sequence[dict[frozenset[int], tuple[int, _Form]]]  # by depth: a sum and its form, by the nodes in it
+
+
+def _compare(p: Program, f: Folder, node: Node, guarded: _Guarded, copy: Callable[[int], int]) -> int | None:
+    """Return a comparison of a guarded sum in place of one of its multiple, None where there is none."""
+    for depth, by_nodes in zip(_DEPTHS, guarded, strict=True):
+        difference = _total(_form(p, node.args[1], depth), _scaled(_form(p, node.args[0], depth), -1.0))
+        nodes = difference.keys() - {_ONE}
+        for e in (None, *sorted(nodes)):
+            k, d = by_nodes.get(frozenset(nodes - {e}), (0, {}))
+            first = min(d.keys() - {_ONE}, default=None)
+            if first is None:
+                continue
+            l = difference[first] / d[first]
+            rest = _total(difference, _scaled(d, -l))
+            if rest.keys() - {_ONE, e}:
+                continue
+            threshold = f.literal(-rest.get(_ONE, 0.0) / l)
+            if e is not None:
+                multiple = times(f, -rest[e] / l, copy(e))
+                threshold = f.make(Node("add", (multiple, threshold)))
+            return f.place(Node(node.op, (threshold, copy(k)) if l > 0 else (copy(k), threshold)))
+    return None
+
+
+def _compare_magnitude(p: Program, f: Folder, node: Node, guarded: _Guarded, copy: Callable[[int], int]) -> int | None:
+    """Return a comparison of the magnitude of a guarded sum with a number, in place of that of its multiple."""
+    for position in (0, 1):
+        of, bound = p.nodes[node.args[position]], p.nodes[node.args[1 - position]]
+        for depth, by_nodes in zip(_DEPTHS, guarded, strict=True) if (of.op, bound.op) == ("fabs", "literal") else ():
+            form = _form(p, of.args[0], depth)
+            k, d = by_nodes.get(frozenset(form), (0, {}))
+            first = min(d, default=_ONE)
+            if first != _ONE and not _total(form, _scaled(d, -form[first] / d[first])):
+                magnitude = f.place(Node("fabs", (copy(k),)))
+                sides = [magnitude, f.literal(bound.value * abs(d[first] / form[first]))]
+                return f.place(Node(node.op, (sides[position], sides[1 - position])))
+    return None
