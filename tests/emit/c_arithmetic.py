@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
+from scipy import special
 
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.program.lower import Node, Program
 from synth.emit.proof.ranges import Range
 
 UNARY = ("neg", "fabs", "sq", "twice", "inv", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan")
-UNARY += ("sinh", "cosh", "tanh", "not", "expm1", "log1p")
+UNARY += ("sinh", "cosh", "tanh", "not", "expm1", "log1p", "asinh", "erf")
 BINARY = ("add", "sub", "mul", "div", "min", "max", "atan2", "lt", "le", "eq", "ne", "and", "or", "when")
 BINARY += ("fmod", "remainder")
 OFTEN = ("add", "sub", "mul", "le", "lt", "and", "choose", "min", "max", "fabs", "when")
@@ -26,8 +27,8 @@ VANISHING = Polynomial(-2, 2, 0, 1, "none", (0.0, 2.0, -0.3125), np.float32)
 POLYNOMIALS = {"cubic": CUBIC, "vanishing": VANISHING}
 LIBM_UNITS = 3  # simulated error of libm in units in the last place, beyond the rounding of the double: 4 in all
 LIBM = ("exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "atan2")
-LIBM += ("expm1", "log1p")
-_NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2"}
+LIBM += ("expm1", "log1p", "asinh", "erf")
+_NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "asinh": "arcsinh"}
 _PLAIN: dict[str, Callable[..., Any]] = {
     "neg": lambda a: -a,
     "fabs": abs,
@@ -69,7 +70,9 @@ def rounded(exact: Fraction, scalar: type[np.floating]) -> np.floating:
 def function(name: str, args: Sequence[np.floating], rng: np.random.Generator | None) -> np.floating:
     """Return a value that libm may return: rounded from double, with an error of a few units in the last place."""
     scalar = type(args[0])
-    value = scalar(getattr(np, _NUMPY.get(name, name))(*(np.float64(a) for a in args)))
+    value = scalar(
+        (special.erf if name == "erf" else getattr(np, _NUMPY.get(name, name)))(*(np.float64(a) for a in args))
+    )
     if rng is None or value == 0 or not np.isfinite(value):
         return value
     perturbed = value

@@ -138,6 +138,16 @@ def test_a_power_of_two_signals_and_a_square_root_from_zero() -> None:
         (ca.log1p, mpmath.log1p, 0.0, 0.5),
         (ca.log1p, mpmath.log1p, 1.0, 3.0),
         (ca.log1p, mpmath.log1p, -0.999, 1e6),
+        (ca.asinh, mpmath.asinh, -0.5, 0.7),
+        (ca.asinh, mpmath.asinh, -1e-3, 1e-3),
+        (ca.asinh, mpmath.asinh, 0.0, 1.0),
+        (ca.asinh, mpmath.asinh, -30.0, 30.0),
+        (ca.asinh, mpmath.asinh, -1e30, 1e6),
+        (ca.erf, mpmath.erf, -0.5, 0.7),
+        (ca.erf, mpmath.erf, -1e-3, 1e-3),
+        (ca.erf, mpmath.erf, 0.0, 1.0),
+        (ca.erf, mpmath.erf, 1.0, 3.0),
+        (ca.erf, mpmath.erf, -60.0, 10.0),
     ],
 )
 def test_functions_near_zero_keep_their_relative_error(f: Function, exact: Function, low: float, high: float) -> None:

@@ -229,8 +229,9 @@ _COMPLEX: dict[str, Callable[..., flint.acb]] = {
     "asin": lambda a: a.asin() if _off_branch_cut(a.real, a.imag) else _NOT_ANALYTIC,
     "acos": lambda a: a.acos() if _off_branch_cut(a.real, a.imag) else _NOT_ANALYTIC,
     "atan": lambda a: a.atan() if _off_branch_cut(a.imag, a.real) else _NOT_ANALYTIC,
+    "asinh": lambda a: a.asinh() if _off_branch_cut(a.imag, a.real) else _NOT_ANALYTIC,
     **{
         name: (lambda a, name=name: getattr(a, name)())
-        for name in ("exp", "expm1", "sin", "cos", "tan", "sinh", "cosh", "tanh")
+        for name in ("exp", "expm1", "erf", "sin", "cos", "tan", "sinh", "cosh", "tanh")
     },
 }

@@ -25,6 +25,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import erf
 
 from synth.block import Block, ComputedSignal, is_dot
 from synth.emit.approx.polynomial import Polynomial
@@ -416,6 +417,8 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "asin": np.arcsin,
     "acos": np.arccos,
     "atan": np.arctan,
+    "asinh": np.arcsinh,
+    "erf": erf,
     "atan2": np.arctan2,
     "remainder": np.vectorize(remainder, otypes=[np.float64]),
     **{

@@ -19,6 +19,8 @@ UNARY = {
     ca.OP_COSH: "cosh",
     ca.OP_TANH: "tanh",
     ca.OP_FABS: "fabs",
+    ca.OP_ASINH: "asinh",
+    ca.OP_ERF: "erf",
     ca.OP_EXPM1: "expm1",
     ca.OP_LOG1P: "log1p",
     ca.OP_INV: "inv",
@@ -46,5 +48,5 @@ LOOKUP = (ca.OP_CONST, ca.OP_INPUT, ca.OP_GETNONZEROS_PARAM, ca.OP_OUTPUT)  # th
 # Operations that need libm. Those of two arguments except atan2 are exact in every libm.
 LIBM_OF_TWO = frozenset({"atan2", "fmod", "remainder"})
 LIBM = LIBM_OF_TWO | {"exp", "expm1", "log", "log1p", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "fabs"}
-LIBM |= {"sinh", "cosh", "tanh"}
+LIBM |= {"sinh", "cosh", "tanh", "asinh", "erf"}
 LOGICAL = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})

@@ -22,6 +22,7 @@ _FAR = 1e6  # periods beyond which _SLACK is not resolved
 # The functions' limits at infinity, which they attain in double precision well before it.
 _HUGE = 1e4
 _LIMITS = {"exp": (0.0, inf), "expm1": (-1.0, inf), "sinh": (-inf, inf), "cosh": (inf, inf), "tanh": (-1.0, 1.0)}
+_LIMITS |= {"erf": (-1.0, 1.0)}
 
 
 @lru_cache(maxsize=1 << 17)
@@ -121,7 +122,7 @@ def _atan2(ulps: int, y: Interval, x: Interval) -> Interval:
 
 
 FUNCTIONS: dict[str, Callable[..., Interval]] = {
-    **{name: _monotone(name) for name in ("exp", "expm1", "sinh", "tanh", "atan")},
+    **{name: _monotone(name) for name in ("exp", "expm1", "sinh", "tanh", "atan", "asinh", "erf")},
     "log": lambda ulps, a: _monotone("log")(ulps, _clip_to_domain(a, 0, inf)),
     "log1p": lambda ulps, a: _monotone("log1p")(ulps, _clip_to_domain(a, -1, inf)),
     "asin": lambda ulps, a: _monotone("asin")(ulps, _clip_to_domain(a, -1, 1)),

@@ -59,6 +59,8 @@ UNARY: list[Callable[[SX], SX]] = [
     ca.logic_not,
     lambda a: ca.expm1(ca.tanh(a)),
     lambda a: ca.log1p(ca.fabs(a)),
+    ca.asinh,
+    ca.erf,
     ca.sign,
     ca.floor,
     ca.ceil,

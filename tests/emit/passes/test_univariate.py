@@ -7,6 +7,7 @@ from typing import Any
 
 import casadi as ca
 import flint
+import mpmath  # type: ignore[import-untyped]
 import numpy as np
 import pytest
 
@@ -169,8 +170,9 @@ COMPLEX: dict[str, Callable[[complex], complex]] = {
     "inv": lambda z: 1 / z,
     **{
         n: getattr(cmath, n)
-        for n in ("sqrt", "log", "asin", "acos", "atan", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh")
+        for n in ("sqrt", "log", "asin", "acos", "atan", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh", "asinh")
     },
+    "erf": lambda z: complex(mpmath.erf(z)),
 }
 
 
@@ -192,6 +194,7 @@ def test_operations_on_complex_numbers(op: str, z: complex) -> None:
         ("asin", flint.acb(flint.arb(0.9, 0.2), flint.arb(0, 0.1))),
         ("acos", flint.acb(-1.5, flint.arb(0, 0.1))),
         ("atan", flint.acb(flint.arb(0, 0.1), flint.arb(0.9, 0.2))),
+        ("asinh", flint.acb(flint.arb(0, 0.1), flint.arb(-1.1, 0.2))),
         ("tan", flint.acb(flint.arb(1.5, 0.1))),
         ("tanh", flint.acb(flint.arb(0, 0.1), flint.arb(1.5, 0.1))),
     ],

@@ -212,9 +212,7 @@ def test_a_block_without_faults_has_no_word() -> None:
     assert lower.program(make(lambda u, x, k: Step({"y": u["a"]}))).word is None
 
 
-@pytest.mark.parametrize(
-    ("f", "name"), [(ca.erf, "OP_ERF"), (ca.asinh, "ASINH"), (ca.acosh, "ACOSH"), (ca.atanh, "ATANH")]
-)
+@pytest.mark.parametrize(("f", "name"), [(ca.erfinv, "OP_ERFINV"), (ca.acosh, "ACOSH"), (ca.atanh, "ATANH")])
 def test_an_operation_without_a_form_in_c_is_named(f: Callable[[ca.SX], ca.SX], name: str) -> None:
     with pytest.raises(EmitError, match=rf"operation \w*{name} of CasADi .*: write the expression with acos, "):
         lower.program(make(lambda u, x, k: Step({"y": f(u["a"])})))

@@ -5,12 +5,13 @@ from math import inf, pi
 
 import numpy as np
 import pytest
+from scipy.special import erf
 
 from synth.emit.proof import interval, libm
 from synth.emit.proof.interval import Interval
 
 F32, F64 = np.float32, np.float64
-NUMPY = {"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan}
+NUMPY = {"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "asinh": np.arcsinh, "erf": erf}
 DOMAIN = {"log1p": (-0.9, 10), "log": (1e-30, 50), "asin": (-1, 1), "acos": (-1, 1), "tan": (-1.5, 1.5)}
 NAMES = [n for n in libm.FUNCTIONS if n != "atan2"]
 
