@@ -363,6 +363,7 @@ SIGNAL = [
     call(robustness.equilibrium_at, "no operating point 'mid': choose one of middle", point="mid"),
     call(robustness.of_controller, "no operating points", points={}),
     call(robustness.checks, "'phase' is not a known margin", require={"phase": 1.0}),
+    call(robustness.checks, "the required phase_margin is NaN", require={"phase_margin": np.nan}),
     call(robustness.checks, "no loop to check", loops=[], require={"phase_margin": 1.0}),
     call(robustness.open_loops, "a, b are linearly dependent", **coordinates(a={"gap": 1.0}, b={"gap": 2.0})),
     call(robustness.open_loops, "at 'gap' and at a coordinate of it at once", **coordinates(gap={"gap": 1.0})),

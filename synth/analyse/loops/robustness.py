@@ -453,8 +453,10 @@ def checks(loops: Sequence[OpenLoop], require: Mapping[str, float], unsolved: Se
     `require` {name: least} takes the names of REQUIREMENTS: phase_margin in degrees, gain_margin and gain_reduction as
     factors above 1, delay_margin in s, modulus_margin; -inf requires nothing.
 
-    Raises SignalError for another name or no loop.
+    Raises SignalError for another name, a margin that is NaN, or no loop.
     """
+    if undefined := [name for name, least in require.items() if np.isnan(least)]:
+        raise SignalError(f"the required {undefined[0]} is NaN: give a number, or -inf to require nothing")
     if unknown := [name for name in require if name not in REQUIREMENTS]:
         raise SignalError(f"'{unknown[0]}' is not a known margin: choose one of {', '.join(REQUIREMENTS)}")
     if not loops and not unsolved:
