@@ -292,14 +292,11 @@ def _matrices(block: str, matrices: Mapping[str, Matrix], layout: Layout) -> lis
             "loads of x."
         ),
         f"static inline void {block}_times(const {t} *matrix, uint32_t m, uint32_t n, const {t} *x, {t} *y)",
-        *("{", "    uint32_t i = 0u;"),
-        *(
-            f"    /*@ loop unroll {bounds[0] // 4}; */",
-            "    while ((i + 3u) < m) {",
-            *_sums(_ROWS, t, bounds[1]),
-            "    }",
-        ),
-        *("    /*@ loop unroll 3; */", "    while (i < m) {", *_sums(_ROWS[:1], t, bounds[1]), "    }", "}", ""),
+        *("{", "    const uint32_t fours = m - (m % 4u);"),
+        f"    /*@ loop unroll {bounds[0] // 4}; */",
+        *("    for (uint32_t i = 0u; i < fours; i += 4u) {", *_sums(_ROWS, t, bounds[1]), "    }"),
+        "    /*@ loop unroll 3; */",
+        *("    for (uint32_t i = fours; i < m; i++) {", *_sums(_ROWS[:1], t, bounds[1]), "    }", "}", ""),
     ]
     for name, matrix in matrices.items():
         rows = []
@@ -324,7 +321,7 @@ def _sums(names: Sequence[str], ctype: str, columns: int) -> list[str]:
     rows += [f"{ctype} {row}_sum = {row}[0] * x[0];" for row in names]
     rows += [f"/*@ loop unroll {columns - 1}; */", "for (uint32_t j = 1u; j < n; j++) {"]
     rows += [f"    {row}_sum += {row}[j] * x[j];" for row in names]
-    rows += ["}", *(f"y[i + {k}u] = {row}_sum;" for k, row in enumerate(names)), f"i += {len(names)}u;"]
+    rows += ["}", *(f"y[i + {k}u] = {row}_sum;" for k, row in enumerate(names))]
     return [f"        {row.replace('(i + 0u)', 'i').replace('i + 0u', 'i')}" for row in rows]
 
 
