@@ -1,6 +1,6 @@
 """Fault word: the bits that a step returns, and the safe output after a latch.
 
-What may fail, as a Block declares it for the table in the C's header: how it is noticed, and what follows.
+What may fail, as a Block declares it for the table in the datasheet of its C: how it is noticed, and what follows.
 
 Rows come from the Blocks that notice a failure, with the numbers that their laws have. A stage adds its own words by
 the key of a row, such as which axis goes on and where the outputs end (`Stage.reactions`), and what its law

@@ -36,7 +36,7 @@ def design(
     phases = Companion(
         f"{name}_phase",
         partial(commutation.phase_currents, name, plant),
-        header_notes=stage.read_header(
+        header_notes=stage.read_notes(
             HERE / "header_phase.md",
             bad_samples=platen.BAD_SAMPLES,
             descent=commutation.DESCENT,
@@ -56,10 +56,13 @@ def design(
         "velocities": maglev_stage.RATE,
         "wires": platen.WIRES,
         "faults": fault_campaign.FAULTS,
-        "header_notes": stage.read_header(
+        "header_notes": stage.read_notes(
             HERE / "header.md",
             motors=reactions.MOTORS,
             stop=platen.GAP[1] * 1e3,
+        ),
+        "datasheet_notes": stage.read_notes(
+            HERE / "datasheet.md",
             stop_margin=platen.STOP_MARGIN * 1e6,
             travel=fault_handling.TRAVEL * 1e3,
             frozen=fault_handling.WIDE_FROZEN * 1e3,

@@ -76,8 +76,9 @@ def design(
         runs=runs,
         reactions=REACTIONS,
         used_instead=USED_INSTEAD,
-        header_notes=stage.read_header(
-            Path(__file__).with_name("header.md"),
+        header_notes=stage.read_notes(Path(__file__).with_name("header.md")),
+        datasheet_notes=stage.read_notes(
+            Path(__file__).with_name("datasheet.md"),
             paper=papers.YU,
             memory=sensing.MEMORY,
             repeats=sensing.REPEATS,

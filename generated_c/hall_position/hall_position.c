@@ -150,7 +150,7 @@ typedef struct {
 
 /* estimator: GLSDC, Fig. 9 */
 HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_position_estimator_state_t *state,
-    float V_ax_held, float V_ay_held, float V_bx_held, float V_by_held, bool complete)
+    const hall_position_input_t *accepted, bool complete)
 {
     /* rad; arm of sensor a along x, times 2 pi over the pitch; arm of sensor a along y, times 2 pi over the pitch; arm
      * of sensor b along x, times 2 pi over the pitch; arm of sensor b along y, times 2 pi over the pitch; of a x, a y,
@@ -175,7 +175,7 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     /* V^2; (0.1 channel_sigma)^2: a smaller predicted decrease has converged */
     static const float decrease_tolerance = 1e-08f;
     static const float length_per_phase = 0.008085071f;         /* m/rad; pitch / (2 pi) */
-    static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float pi = 3.1415927f;                         /* 1 */
     static const float residual_limit = 0.01f;                  /* V^2; 1 times the square of 0.1 V rms */
     static const float squared_gate = 0.0009069143f;            /* rad^2; 3 sigma of the innovation, squared */
     static const float squared_radius = 11.103305f;             /* rad^2; of the arms of the sensors, sum of squares */
@@ -275,14 +275,14 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
         (ay_part_full_squared * (field_3 + converged_product_2)));
     const float rows_1_3 = (rows_1_1 * (arm_times_ax_part_cosine_sum + ax_part_cosine_product)) + converged_product_3;
     const float converged_product_4 = ax_part_full * (field_1 + (ax_part_full_squared * (field_3 + converged_product)));
-    const float residuals_1 = (ax_part_cosine_sum * V_ax_held) - (ax_part_cosine_limited_2 * V_ay_held) -
+    const float residuals_1 = (ax_part_cosine_sum * accepted->V_ax) - (ax_part_cosine_limited_2 * accepted->V_ay) -
         converged_product_4;
     const float phasor_ay_cosine = 1.0f - (0.5f * (ay_part_doubled * ay_part_doubled));
     const float rows_2_2 = phasor_ay_cosine * (field_1 +
         (ay_part_full_squared * (field_3_scaled + (5.0f * converged_product_2))));
     const float minus_rows_2_3 = converged_product_4 -
         (rows_2_2 * (ax_part_cosine_product - arm_times_ax_part_cosine_sum));
-    const float residuals_2 = (ax_part_cosine_sum * V_ay_held) + (ax_part_cosine_limited_2 * V_ax_held) -
+    const float residuals_2 = (ax_part_cosine_sum * accepted->V_ay) + (ax_part_cosine_limited_2 * accepted->V_ax) -
         converged_product_3;
     const float phasor_bx_cosine = 1.0f - (0.5f * (bx_part_doubled * bx_part_doubled));
     const float bx_part_full_squared = bx_part_full * bx_part_full;
@@ -296,14 +296,14 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float rows_3_3 = (rows_3_1 * ((-arm * ax_part_cosine_sum) - ax_part_cosine_product)) + converged_product_7;
     const float converged_product_8 = bx_part_full * (field_1 +
         (bx_part_full_squared * (field_3 + converged_product_5)));
-    const float residuals_3 = (ax_part_cosine_sum * V_bx_held) - (ax_part_cosine_limited_2 * V_by_held) -
+    const float residuals_3 = (ax_part_cosine_sum * accepted->V_bx) - (ax_part_cosine_limited_2 * accepted->V_by) -
         converged_product_8;
     const float phasor_by_cosine = 1.0f - (0.5f * (by_part_doubled * by_part_doubled));
     const float rows_4_2 = phasor_by_cosine * (field_1 +
         (by_part_full_squared * (field_3_scaled + (5.0f * converged_product_6))));
     const float minus_rows_4_3 = converged_product_8 -
         (rows_4_2 * (arm_times_ax_part_cosine_sum - ax_part_cosine_product));
-    const float residuals_4 = (ax_part_cosine_sum * V_by_held) + (ax_part_cosine_limited_2 * V_bx_held) -
+    const float residuals_4 = (ax_part_cosine_sum * accepted->V_by) + (ax_part_cosine_limited_2 * accepted->V_bx) -
         converged_product_7;
     const float left_3_1 = (rows_1_3 * rows_1_1) + (rows_3_3 * rows_3_1);
     const float converged_inverse = 1.0f / ((rows_1_1 * rows_1_1) + (rows_3_1 * rows_3_1) + prior_weight_phase);
@@ -339,7 +339,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_11 = phasor_ax_sine_squared * field_5;
     const float converged_product_12 = phasor_ax_sine * (field_1 +
         (phasor_ax_sine_squared * (field_3 + converged_product_11)));
-    const float residuals_1_2 = (turn_yaw_cosine * V_ax_held) - (turn_yaw_sine * V_ay_held) - converged_product_12;
+    const float residuals_1_2 = (turn_yaw_cosine * accepted->V_ax) - (turn_yaw_sine * accepted->V_ay) -
+        converged_product_12;
     const float offsets_2 = hall_position_limit((forward_2 * converged_inverse_2) - (lower_3_2 * offsets_3),
         largest_step_phase);
     const float by_ay = offsets_2 - converged_product_9 - converged_product_10;
@@ -351,7 +352,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_13 = phasor_ay_sine_squared * field_5;
     const float converged_product_14 = phasor_ay_sine * (field_1 +
         (phasor_ay_sine_squared * (field_3 + converged_product_13)));
-    const float residuals_2_2 = (turn_yaw_cosine * V_ay_held) + (turn_yaw_sine * V_ax_held) - converged_product_14;
+    const float residuals_2_2 = (turn_yaw_cosine * accepted->V_ay) + (turn_yaw_sine * accepted->V_ax) -
+        converged_product_14;
     const float by_bx = offsets_1 + converged_product_9 - converged_product_10;
     const float cosine_argument_3 = by_bx * by_bx;
     const float cosine_3 = cosine_polynomial(cosine_argument_3);
@@ -361,7 +363,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_15 = phasor_bx_sine_squared * field_5;
     const float converged_product_16 = phasor_bx_sine * (field_1 +
         (phasor_bx_sine_squared * (field_3 + converged_product_15)));
-    const float residuals_3_2 = (turn_yaw_cosine * V_bx_held) - (turn_yaw_sine * V_by_held) - converged_product_16;
+    const float residuals_3_2 = (turn_yaw_cosine * accepted->V_bx) - (turn_yaw_sine * accepted->V_by) -
+        converged_product_16;
     const float by_by = offsets_2 + converged_product_9 + converged_product_10;
     const float cosine_argument_4 = by_by * by_by;
     const float cosine_4 = cosine_polynomial(cosine_argument_4);
@@ -371,7 +374,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_17 = phasor_by_sine_squared * field_5;
     const float converged_product_18 = phasor_by_sine * (field_1 +
         (phasor_by_sine_squared * (field_3 + converged_product_17)));
-    const float residuals_4_2 = (turn_yaw_cosine * V_by_held) + (turn_yaw_sine * V_bx_held) - converged_product_18;
+    const float residuals_4_2 = (turn_yaw_cosine * accepted->V_by) + (turn_yaw_sine * accepted->V_bx) -
+        converged_product_18;
     const float converged_sum = (residuals_1_2 * residuals_1_2) + (residuals_2_2 * residuals_2_2) + (residuals_3_2 *
         residuals_3_2) + (residuals_4_2 * residuals_4_2) + ((prior_weight_phase * (offsets_1 * offsets_1)) +
         (prior_weight_phase * (offsets_2 * offsets_2)) + (prior_weight_yaw * offsets_3_squared));
@@ -462,7 +466,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_21 = phasor_ax_sine_2_squared * field_5;
     const float converged_product_22 = phasor_ax_sine_2 * (field_1 +
         (phasor_ax_sine_2_squared * (field_3 + converged_product_21)));
-    const float residuals_1_3 = (turn_yaw_cosine_2 * V_ax_held) - (turn_yaw_sine_2 * V_ay_held) - converged_product_22;
+    const float residuals_1_3 = (turn_yaw_cosine_2 * accepted->V_ax) - (turn_yaw_sine_2 * accepted->V_ay) -
+        converged_product_22;
     const float offsets_2_2 = hall_position_limit(converged_choice_7, largest_step_phase);
     const float converged_limited_2 = hall_position_limit(offsets_2_2 - converged_product_19 - converged_product_20,
         largest_change);
@@ -474,7 +479,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_23 = phasor_ay_sine_2_squared * field_5;
     const float converged_product_24 = phasor_ay_sine_2 * (field_1 +
         (phasor_ay_sine_2_squared * (field_3 + converged_product_23)));
-    const float residuals_2_3 = (turn_yaw_cosine_2 * V_ay_held) + (turn_yaw_sine_2 * V_ax_held) - converged_product_24;
+    const float residuals_2_3 = (turn_yaw_cosine_2 * accepted->V_ay) + (turn_yaw_sine_2 * accepted->V_ax) -
+        converged_product_24;
     const float converged_limited_3 = hall_position_limit(offsets_1_2 + converged_product_19 - converged_product_20,
         largest_change);
     const float cosine_argument_7 = converged_limited_3 * converged_limited_3;
@@ -485,7 +491,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_25 = phasor_bx_sine_2_squared * field_5;
     const float converged_product_26 = phasor_bx_sine_2 * (field_1 +
         (phasor_bx_sine_2_squared * (field_3 + converged_product_25)));
-    const float residuals_3_3 = (turn_yaw_cosine_2 * V_bx_held) - (turn_yaw_sine_2 * V_by_held) - converged_product_26;
+    const float residuals_3_3 = (turn_yaw_cosine_2 * accepted->V_bx) - (turn_yaw_sine_2 * accepted->V_by) -
+        converged_product_26;
     const float converged_limited_4 = hall_position_limit(offsets_2_2 + converged_product_19 + converged_product_20,
         largest_change);
     const float cosine_argument_8 = converged_limited_4 * converged_limited_4;
@@ -496,7 +503,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_27 = phasor_by_sine_2_squared * field_5;
     const float converged_product_28 = phasor_by_sine_2 * (field_1 +
         (phasor_by_sine_2_squared * (field_3 + converged_product_27)));
-    const float residuals_4_3 = (turn_yaw_cosine_2 * V_by_held) + (turn_yaw_sine_2 * V_bx_held) - converged_product_28;
+    const float residuals_4_3 = (turn_yaw_cosine_2 * accepted->V_by) + (turn_yaw_sine_2 * accepted->V_bx) -
+        converged_product_28;
     const float converged_sum_2 = (residuals_1_3 * residuals_1_3) + (residuals_2_3 * residuals_2_3) + (residuals_3_3 *
         residuals_3_3) + (residuals_4_3 * residuals_4_3) + ((prior_weight_phase * (offsets_1_2 * offsets_1_2)) +
         (prior_weight_phase * (offsets_2_2 * offsets_2_2)) + (prior_weight_yaw * offsets_3_2_squared));
@@ -584,7 +592,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_31 = phasor_ax_sine_3_squared * field_5;
     const float converged_product_32 = phasor_ax_sine_3 * (field_1 +
         (phasor_ax_sine_3_squared * (field_3 + converged_product_31)));
-    const float residuals_1_4 = (turn_yaw_cosine_3 * V_ax_held) - (turn_yaw_sine_3 * V_ay_held) - converged_product_32;
+    const float residuals_1_4 = (turn_yaw_cosine_3 * accepted->V_ax) - (turn_yaw_sine_3 * accepted->V_ay) -
+        converged_product_32;
     const float offsets_2_3 = hall_position_limit(converged_choice_14, largest_step_phase);
     const float converged_limited_6 = hall_position_limit(offsets_2_3 - converged_product_29 - converged_product_30,
         largest_change);
@@ -596,7 +605,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_33 = phasor_ay_sine_3_squared * field_5;
     const float converged_product_34 = phasor_ay_sine_3 * (field_1 +
         (phasor_ay_sine_3_squared * (field_3 + converged_product_33)));
-    const float residuals_2_4 = (turn_yaw_cosine_3 * V_ay_held) + (turn_yaw_sine_3 * V_ax_held) - converged_product_34;
+    const float residuals_2_4 = (turn_yaw_cosine_3 * accepted->V_ay) + (turn_yaw_sine_3 * accepted->V_ax) -
+        converged_product_34;
     const float converged_limited_7 = hall_position_limit(offsets_1_3 + converged_product_29 - converged_product_30,
         largest_change);
     const float cosine_argument_11 = converged_limited_7 * converged_limited_7;
@@ -607,7 +617,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_35 = phasor_bx_sine_3_squared * field_5;
     const float converged_product_36 = phasor_bx_sine_3 * (field_1 +
         (phasor_bx_sine_3_squared * (field_3 + converged_product_35)));
-    const float residuals_3_4 = (turn_yaw_cosine_3 * V_bx_held) - (turn_yaw_sine_3 * V_by_held) - converged_product_36;
+    const float residuals_3_4 = (turn_yaw_cosine_3 * accepted->V_bx) - (turn_yaw_sine_3 * accepted->V_by) -
+        converged_product_36;
     const float converged_limited_8 = hall_position_limit(offsets_2_3 + converged_product_29 + converged_product_30,
         largest_change);
     const float cosine_argument_12 = converged_limited_8 * converged_limited_8;
@@ -618,7 +629,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_37 = phasor_by_sine_3_squared * field_5;
     const float converged_product_38 = phasor_by_sine_3 * (field_1 +
         (phasor_by_sine_3_squared * (field_3 + converged_product_37)));
-    const float residuals_4_4 = (turn_yaw_cosine_3 * V_by_held) + (turn_yaw_sine_3 * V_bx_held) - converged_product_38;
+    const float residuals_4_4 = (turn_yaw_cosine_3 * accepted->V_by) + (turn_yaw_sine_3 * accepted->V_bx) -
+        converged_product_38;
     const float converged_sum_4 = (residuals_1_4 * residuals_1_4) + (residuals_2_4 * residuals_2_4) + (residuals_3_4 *
         residuals_3_4) + (residuals_4_4 * residuals_4_4) + ((prior_weight_phase * (offsets_1_3 * offsets_1_3)) +
         (prior_weight_phase * (offsets_2_3 * offsets_2_3)) + (prior_weight_yaw * offsets_3_3_squared));
@@ -706,7 +718,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_41 = phasor_ax_sine_4_squared * field_5;
     const float converged_product_42 = phasor_ax_sine_4 * (field_1 +
         (phasor_ax_sine_4_squared * (field_3 + converged_product_41)));
-    const float residuals_1_5 = (turn_yaw_cosine_4 * V_ax_held) - (turn_yaw_sine_4 * V_ay_held) - converged_product_42;
+    const float residuals_1_5 = (turn_yaw_cosine_4 * accepted->V_ax) - (turn_yaw_sine_4 * accepted->V_ay) -
+        converged_product_42;
     const float offsets_2_4 = hall_position_limit(converged_choice_21, largest_step_phase);
     const float converged_limited_10 = hall_position_limit(offsets_2_4 - converged_product_39 - converged_product_40,
         largest_change);
@@ -718,7 +731,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_43 = phasor_ay_sine_4_squared * field_5;
     const float converged_product_44 = phasor_ay_sine_4 * (field_1 +
         (phasor_ay_sine_4_squared * (field_3 + converged_product_43)));
-    const float residuals_2_5 = (turn_yaw_cosine_4 * V_ay_held) + (turn_yaw_sine_4 * V_ax_held) - converged_product_44;
+    const float residuals_2_5 = (turn_yaw_cosine_4 * accepted->V_ay) + (turn_yaw_sine_4 * accepted->V_ax) -
+        converged_product_44;
     const float converged_limited_11 = hall_position_limit(offsets_1_4 + converged_product_39 - converged_product_40,
         largest_change);
     const float cosine_argument_15 = converged_limited_11 * converged_limited_11;
@@ -729,7 +743,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_45 = phasor_bx_sine_4_squared * field_5;
     const float converged_product_46 = phasor_bx_sine_4 * (field_1 +
         (phasor_bx_sine_4_squared * (field_3 + converged_product_45)));
-    const float residuals_3_5 = (turn_yaw_cosine_4 * V_bx_held) - (turn_yaw_sine_4 * V_by_held) - converged_product_46;
+    const float residuals_3_5 = (turn_yaw_cosine_4 * accepted->V_bx) - (turn_yaw_sine_4 * accepted->V_by) -
+        converged_product_46;
     const float converged_limited_12 = hall_position_limit(offsets_2_4 + converged_product_39 + converged_product_40,
         largest_change);
     const float cosine_argument_16 = converged_limited_12 * converged_limited_12;
@@ -740,7 +755,8 @@ HALL_POSITION_LARGE hall_position_estimator_t hall_position_estimator(hall_posit
     const float converged_product_47 = phasor_by_sine_4_squared * field_5;
     const float converged_product_48 = phasor_by_sine_4 * (field_1 +
         (phasor_by_sine_4_squared * (field_3 + converged_product_47)));
-    const float residuals_4_5 = (turn_yaw_cosine_4 * V_by_held) + (turn_yaw_sine_4 * V_bx_held) - converged_product_48;
+    const float residuals_4_5 = (turn_yaw_cosine_4 * accepted->V_by) + (turn_yaw_sine_4 * accepted->V_bx) -
+        converged_product_48;
     const float squares_2 = (residuals_1_5 * residuals_1_5) + (residuals_2_5 * residuals_2_5) +
         (residuals_3_5 * residuals_3_5) + (residuals_4_5 * residuals_4_5);
     const uint32_t ambiguity_resolved = state->ambiguity_resolved;
@@ -975,8 +991,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         faults |= 0x80000000u;
     }
     const uint32_t estimator_lock_lost = state->estimator.lock_lost;
-    const hall_position_estimator_t estimator = hall_position_estimator(&state->estimator, accepted.V_ax, accepted.V_ay,
-        accepted.V_bx, accepted.V_by, complete);
+    const hall_position_estimator_t estimator = hall_position_estimator(&state->estimator, &accepted, complete);
     out->X = estimator.X;
     out->Y = estimator.Y;
     out->yaw = estimator.yaw;

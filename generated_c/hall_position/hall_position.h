@@ -3,7 +3,8 @@
  * right to the noise of 1 mV rms. In the field of the fabricated matrix or of a finite one, with an amplitude 2 % low,
  * or with gains that differ by 1 %, they are 20 to 1,800 times too small.
  *
- * hall_position: one step every 0.00125 s, float. Generated: do not edit.
+ * hall_position: one step every 0.00125 s, float. Generated: do not edit. What may fail and what follows:
+ * hall_position.md.
  *
  * Call hall_position_init once, then hall_position_step once every 0.00125 s with the inputs of that sample, and use
  * its outputs at once. Nothing else may change the state.
@@ -13,15 +14,6 @@
  *
  * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. An estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
- *
- * A refused input is replaced by its last good value, and before its first good value by 0 V (V_ax, V_ay, V_bx, V_by).
- *
- * What may fail, and what follows:
- * what fails           | noticed by, and when              | used instead       | what follows
- * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * V_ax, V_ay, V_bx or  | bits 0 to 3; in that sample       | its last good      | the law goes on; 5 samples in a row,
- * V_by not finite or   |                                   | value              | of any of them: latches
- * outside its range    |                                   |                    |
  *
  * At init the body is within 2.4 degrees of yaw 0. Until the first valid sample it moves on a circle with a radius of 6
  * mm at 50 to 200 mm/s, in either sense and from any point of it, and remains within half a pitch of the counted origin
@@ -48,6 +40,49 @@
 extern "C" {
 #endif
 
+typedef struct hall_position_state hall_position_state_t;
+
+typedef struct {
+    float V_ax;                         /* V, -5 .. 5: Hall sensor a, axis x */
+    float V_ay;                         /* V, -5 .. 5: Hall sensor a, axis y */
+    float V_bx;                         /* V, -5 .. 5: Hall sensor b, axis x */
+    float V_by;                         /* V, -5 .. 5: Hall sensor b, axis y */
+} hall_position_input_t;
+
+typedef struct {
+    /* m, -0.508 .. 0.508: position of the body's origin along X of the magnet matrix */
+    float X;
+    /* m, -0.508 .. 0.508: position of the body's origin along Y of the magnet matrix */
+    float Y;
+    float yaw;                          /* rad, -3.14159 .. 3.14159: yaw of the body relative to the magnet matrix */
+    float deviation_X;                  /* m, 0 .. 10000: standard deviation of X from the voltages' noise */
+    float deviation_Y;                  /* m, 0 .. 10000: standard deviation of Y from the voltages' noise */
+    float deviation_yaw;                /* rad, 0 .. 1: standard deviation of yaw from the voltages' noise */
+    float residual;                     /* V, 0 .. 1000: rms of the voltage residuals, by degrees of freedom */
+    float converged;                    /* 1, 0 .. 1: the last correction is small, and no correction raised the cost */
+    /* 1, 0 .. 1: the voltages alone do not determine the pose: the prior decides a part of it */
+    float damped;
+    /* 1, 0 .. 1: converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate,
+     * inputs accepted */
+    float valid;
+    /* 1, 0 .. 1: position lock lost, or pitches or yaw out of range: nothing is valid until init */
+    float lock_lost;
+} hall_position_output_t;
+
+/* Put the state to its initial values. The caller owns it. */
+void hall_position_init(hall_position_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  V_ax: not finite or outside its range
+ *   bit  1  V_ay: not finite or outside its range
+ *   bit  2  V_bx: not finite or outside its range
+ *   bit  3  V_by: not finite or outside its range
+ *   bit 31  latched until init
+ */
+uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out);
+
+/* What follows is for init and step alone: the state, by Block. */
 typedef struct {
     /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along x, within its pitch */
     float phase_x;
@@ -80,37 +115,10 @@ typedef struct {
     uint32_t ready;                     /* 1, 0 .. 1: every measurement was good at once */
 } hall_position_guard_state_t;
 
-typedef struct {
-    float V_ax;                         /* V, -5 .. 5: Hall sensor a, axis x */
-    float V_ay;                         /* V, -5 .. 5: Hall sensor a, axis y */
-    float V_bx;                         /* V, -5 .. 5: Hall sensor b, axis x */
-    float V_by;                         /* V, -5 .. 5: Hall sensor b, axis y */
-} hall_position_input_t;
-
-typedef struct {
-    /* m, -0.508 .. 0.508: position of the body's origin along X of the magnet matrix */
-    float X;
-    /* m, -0.508 .. 0.508: position of the body's origin along Y of the magnet matrix */
-    float Y;
-    float yaw;                          /* rad, -3.14159 .. 3.14159: yaw of the body relative to the magnet matrix */
-    float deviation_X;                  /* m, 0 .. 10000: standard deviation of X from the voltages' noise */
-    float deviation_Y;                  /* m, 0 .. 10000: standard deviation of Y from the voltages' noise */
-    float deviation_yaw;                /* rad, 0 .. 1: standard deviation of yaw from the voltages' noise */
-    float residual;                     /* V, 0 .. 1000: rms of the voltage residuals, by degrees of freedom */
-    float converged;                    /* 1, 0 .. 1: the last correction is small, and no correction raised the cost */
-    /* 1, 0 .. 1: the voltages alone do not determine the pose: the prior decides a part of it */
-    float damped;
-    /* 1, 0 .. 1: converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate,
-     * inputs accepted */
-    float valid;
-    /* 1, 0 .. 1: position lock lost, or pitches or yaw out of range: nothing is valid until init */
-    float lock_lost;
-} hall_position_output_t;
-
-typedef struct {
+struct hall_position_state {
     hall_position_guard_state_t guard;
     hall_position_estimator_state_t estimator;
-} hall_position_state_t;
+};
 
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
@@ -122,19 +130,6 @@ extern char hall_position_input_size_is_16[(sizeof(hall_position_input_t) == 16u
 extern char hall_position_output_size_is_44[(sizeof(hall_position_output_t) == 44u) ? 1 : -1];
 extern char hall_position_state_size_is_92[(sizeof(hall_position_state_t) == 92u) ? 1 : -1];
 #endif
-
-/* Put the state to its initial values. The caller owns it. */
-void hall_position_init(hall_position_state_t *state);
-
-/* Compute one sample: read `in`, write `out`, advance `state`.
- * It returns the fault bits:
- *   bit  0  V_ax: not finite or outside its range
- *   bit  1  V_ay: not finite or outside its range
- *   bit  2  V_bx: not finite or outside its range
- *   bit  3  V_by: not finite or outside its range
- *   bit 31  latched until init
- */
-uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out);
 
 #ifdef __cplusplus
 }

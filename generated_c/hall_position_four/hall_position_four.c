@@ -170,30 +170,29 @@ typedef struct {
 
 /* screen: refused and repeated codes */
 HALL_POSITION_FOUR_LARGE hall_position_four_screen_t hall_position_four_screen(hall_position_four_screen_state_t *state,
-    bool fault_V_ax, bool fault_V_ay, float V_ax_held, float V_ay_held, bool fault_V_bx, bool fault_V_by,
-    float V_bx_held, float V_by_held, bool fault_V_cx, bool fault_V_cy, float V_cx_held, float V_cy_held,
-    bool fault_V_dx, bool fault_V_dy, float V_dx_held, float V_dy_held, hall_position_four_diagnostics_t *diagnostics)
+    const hall_position_four_guard_t *guard, const hall_position_four_input_t *accepted,
+    hall_position_four_diagnostics_t *diagnostics)
 {
     static const uint32_t most_repeats = 6u;                    /* 1; samples in a row with the same code: frozen */
 
     const float last_V_ax = state->last_V_ax;
-    state->last_V_ax = V_ax_held;
+    state->last_V_ax = accepted->V_ax;
     const float last_V_ay = state->last_V_ay;
-    state->last_V_ay = V_ay_held;
+    state->last_V_ay = accepted->V_ay;
     const float last_V_bx = state->last_V_bx;
-    state->last_V_bx = V_bx_held;
+    state->last_V_bx = accepted->V_bx;
     const float last_V_by = state->last_V_by;
-    state->last_V_by = V_by_held;
+    state->last_V_by = accepted->V_by;
     const float last_V_cx = state->last_V_cx;
-    state->last_V_cx = V_cx_held;
+    state->last_V_cx = accepted->V_cx;
     const float last_V_cy = state->last_V_cy;
-    state->last_V_cy = V_cy_held;
+    state->last_V_cy = accepted->V_cy;
     const float last_V_dx = state->last_V_dx;
-    state->last_V_dx = V_dx_held;
+    state->last_V_dx = accepted->V_dx;
     const float last_V_dy = state->last_V_dy;
-    state->last_V_dy = V_dy_held;
+    state->last_V_dy = accepted->V_dy;
     bool frozen_1 = false;
-    if ((fabsf(V_ax_held - last_V_ax) <= 0.0f) || (fabsf(V_ay_held - last_V_ay) <= 0.0f)) {
+    if ((fabsf(accepted->V_ax - last_V_ax) <= 0.0f) || (fabsf(accepted->V_ay - last_V_ay) <= 0.0f)) {
         const uint32_t repeats_1 = state->repeats_1;
         uint32_t count_1 = repeats_1;
         if (repeats_1 < most_repeats) {
@@ -206,7 +205,7 @@ HALL_POSITION_FOUR_LARGE hall_position_four_screen_t hall_position_four_screen(h
         state->repeats_1 = 0u;
     }
     bool frozen_2 = false;
-    if ((fabsf(V_bx_held - last_V_bx) <= 0.0f) || (fabsf(V_by_held - last_V_by) <= 0.0f)) {
+    if ((fabsf(accepted->V_bx - last_V_bx) <= 0.0f) || (fabsf(accepted->V_by - last_V_by) <= 0.0f)) {
         const uint32_t repeats_2 = state->repeats_2;
         uint32_t count_2 = repeats_2;
         if (repeats_2 < most_repeats) {
@@ -219,7 +218,7 @@ HALL_POSITION_FOUR_LARGE hall_position_four_screen_t hall_position_four_screen(h
         state->repeats_2 = 0u;
     }
     bool frozen_3 = false;
-    if ((fabsf(V_cx_held - last_V_cx) <= 0.0f) || (fabsf(V_cy_held - last_V_cy) <= 0.0f)) {
+    if ((fabsf(accepted->V_cx - last_V_cx) <= 0.0f) || (fabsf(accepted->V_cy - last_V_cy) <= 0.0f)) {
         const uint32_t repeats_3 = state->repeats_3;
         uint32_t count_3 = repeats_3;
         if (repeats_3 < most_repeats) {
@@ -232,7 +231,7 @@ HALL_POSITION_FOUR_LARGE hall_position_four_screen_t hall_position_four_screen(h
         state->repeats_3 = 0u;
     }
     bool frozen_4 = false;
-    if ((fabsf(V_dx_held - last_V_dx) <= 0.0f) || (fabsf(V_dy_held - last_V_dy) <= 0.0f)) {
+    if ((fabsf(accepted->V_dx - last_V_dx) <= 0.0f) || (fabsf(accepted->V_dy - last_V_dy) <= 0.0f)) {
         const uint32_t repeats_4 = state->repeats_4;
         uint32_t count_4 = repeats_4;
         if (repeats_4 < most_repeats) {
@@ -244,10 +243,10 @@ HALL_POSITION_FOUR_LARGE hall_position_four_screen_t hall_position_four_screen(h
     } else {
         state->repeats_4 = 0u;
     }
-    const bool flag_1 = fault_V_ax || fault_V_ay || frozen_1;
-    const bool flag_2 = fault_V_bx || fault_V_by || frozen_2;
-    const bool flag_3 = fault_V_cx || fault_V_cy || frozen_3;
-    const bool flag_4 = fault_V_dx || fault_V_dy || frozen_4;
+    const bool flag_1 = guard->fault_V_ax || guard->fault_V_ay || frozen_1;
+    const bool flag_2 = guard->fault_V_bx || guard->fault_V_by || frozen_2;
+    const bool flag_3 = guard->fault_V_cx || guard->fault_V_cy || frozen_3;
+    const bool flag_4 = guard->fault_V_dx || guard->fault_V_dy || frozen_4;
     const uint32_t screened_sum_5 = hall_position_four_flag(flag_1) + hall_position_four_flag(flag_2) +
         hall_position_four_flag(flag_3) + hall_position_four_flag(flag_4);
     const bool screened = screened_sum_5 <= 1u;
@@ -290,11 +289,10 @@ typedef struct {
 
 /* estimator: weighted least squares */
 HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
-    hall_position_four_estimator(hall_position_four_estimator_state_t *state, float rejected, float V_ax_held,
-    float V_ay_held, float V_bx_held, float V_by_held, float V_cx_held, float V_cy_held, float V_dx_held,
-    float V_dy_held, bool screened, hall_position_four_diagnostics_t *diagnostics)
+    hall_position_four_estimator(hall_position_four_estimator_state_t *state, const hall_position_four_screen_t *screen,
+    const hall_position_four_input_t *accepted, hall_position_four_diagnostics_t *diagnostics)
 {
-    static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float pi = 3.1415927f;                         /* 1 */
     static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
     static const float arm_a_x = 0.28902653f; /* rad; arm of sensor a along x, times 2 pi over the pitch */
     static const float highest_yaw = 0.20943952f;               /* rad; end of its range */
@@ -552,21 +550,21 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         (dy_part_full_squared * (phase_x_product + (5.0f * (dy_part_full_squared * amplitude_times_field_5)))));
     const float left_2_2 = (rows_2_2 * rows_2_2) + (rows_4_2 * rows_4_2) + (rows_6_2 * rows_6_2) +
         (rows_8_2 * rows_8_2);
-    const float phase_x_sum = (cos_yaw * V_ay_held) + (sin_yaw * V_ax_held);
+    const float phase_x_sum = (cos_yaw * accepted->V_ay) + (sin_yaw * accepted->V_ax);
     const float rows_1_3 = phase_x_sum + (rows_1_1 * (arm_a_y_times_cos_yaw - arm_a_x_times_sin_yaw));
-    const float phase_x_sum_2 = (cos_yaw * V_ax_held) - (sin_yaw * V_ay_held);
+    const float phase_x_sum_2 = (cos_yaw * accepted->V_ax) - (sin_yaw * accepted->V_ay);
     const float minus_rows_2_3 = phase_x_sum_2 - (rows_2_2 * (arm_a_x_times_cos_yaw - arm_a_y_times_sin_yaw));
-    const float phase_x_sum_3 = (cos_yaw * V_by_held) + (sin_yaw * V_bx_held);
+    const float phase_x_sum_3 = (cos_yaw * accepted->V_by) + (sin_yaw * accepted->V_bx);
     const float rows_3_3 = phase_x_sum_3 + (rows_3_1 * (arm_b_y_times_cos_yaw - arm_b_x_times_sin_yaw));
-    const float phase_x_sum_4 = (cos_yaw * V_bx_held) - (sin_yaw * V_by_held);
+    const float phase_x_sum_4 = (cos_yaw * accepted->V_bx) - (sin_yaw * accepted->V_by);
     const float minus_rows_4_3 = phase_x_sum_4 - (rows_4_2 * (arm_b_y_times_sin_yaw + arm_b_x_times_cos_yaw));
-    const float phase_x_sum_5 = (cos_yaw * V_cy_held) + (sin_yaw * V_cx_held);
+    const float phase_x_sum_5 = (cos_yaw * accepted->V_cy) + (sin_yaw * accepted->V_cx);
     const float rows_5_3 = phase_x_sum_5 + (rows_5_1 * (arm_c_y_times_cos_yaw - arm_c_x_times_sin_yaw));
-    const float phase_x_sum_6 = (cos_yaw * V_cx_held) - (sin_yaw * V_cy_held);
+    const float phase_x_sum_6 = (cos_yaw * accepted->V_cx) - (sin_yaw * accepted->V_cy);
     const float minus_rows_6_3 = phase_x_sum_6 - (rows_6_2 * (arm_c_y_times_sin_yaw + arm_c_x_times_cos_yaw));
-    const float phase_x_sum_7 = (cos_yaw * V_dy_held) + (sin_yaw * V_dx_held);
+    const float phase_x_sum_7 = (cos_yaw * accepted->V_dy) + (sin_yaw * accepted->V_dx);
     const float rows_7_3 = phase_x_sum_7 + (rows_7_1 * ((-arm_d_y * cos_yaw) - arm_d_x_times_sin_yaw));
-    const float phase_x_sum_8 = (cos_yaw * V_dx_held) - (sin_yaw * V_dy_held);
+    const float phase_x_sum_8 = (cos_yaw * accepted->V_dx) - (sin_yaw * accepted->V_dy);
     const float minus_rows_8_3 = phase_x_sum_8 - (rows_8_2 * (arm_d_x_times_cos_yaw - arm_d_y_times_sin_yaw));
     const float left_3_3 = (rows_1_3 * rows_1_3) + (minus_rows_2_3 * minus_rows_2_3) + (rows_3_3 * rows_3_3) +
         (minus_rows_4_3 * minus_rows_4_3) + (rows_5_3 * rows_5_3) + (minus_rows_6_3 * minus_rows_6_3) +
@@ -618,10 +616,10 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
     const float diagonal_1 = inverse_1 + (lower_3_1 * lower_3_1 * inverse_3) +
         (deviation_phase_x_sum * deviation_phase_x_sum * diagonal_4);
     const uint32_t competing = state->competing;
-    const bool x_certain = 0.0f < rejected;
+    const bool x_certain = 0.0f < screen->rejected;
     const bool x_trial = (competing != 0u) && !x_certain;
     const uint32_t excluded_2 = state->excluded;
-    const float excluded = hall_position_four_max((x_certain) ? rejected : (float)excluded_2, 0.0f);
+    const float excluded = hall_position_four_max((x_certain) ? screen->rejected : (float)excluded_2, 0.0f);
     const float residuals_1 = phase_x_sum_2 - (amplitude_2 * rows_1_4);
     const float residuals_2 = phase_x_sum - (amplitude_2 * rows_2_4);
     const float residuals_3 = phase_x_sum_4 - (amplitude_2 * rows_3_4);
@@ -912,7 +910,7 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
     const float variance_amplitude = diagonal_4 + deviation_amplitude_choice;
     const bool weak = !in_range || (weak_from_phase <= variance_phase_x) || (weak_from_phase <= variance_phase_y) ||
         (weak_from_yaw <= variance_yaw) || (weak_from_amplitude <= variance_amplitude);
-    const bool phases_valid_test = screened && !weak;
+    const bool phases_valid_test = screen->screened && !weak;
     const float offsets_3 = hall_position_four_limit(steps_3 + added_3, largest_step_yaw);
     const float moved_yaw = hall_position_four_limit(predicted_yaw + offsets_3, highest_yaw);
     const float cosine_argument = moved_yaw * moved_yaw;
@@ -936,7 +934,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         const float phasor_ax_sine = (ax_part_full * cosine_2_polynomial(cosine_2_argument)) +
             (phasor_ax_cosine * (by_ax * sine_4_polynomial(cosine_2_argument)));
         const float phasor_ax_sine_squared = phasor_ax_sine * phasor_ax_sine;
-        const float residuals_1_2 = (turn_yaw_cosine * V_ax_held) - (turn_yaw_sine * V_ay_held) - (phase_x_limited *
+        const float residuals_1_2 = (turn_yaw_cosine * accepted->V_ax) - (turn_yaw_sine * accepted->V_ay) -
+            (phase_x_limited *
             (phasor_ax_sine * (field_1 + (phasor_ax_sine_squared * (field_3 + (phasor_ax_sine_squared * field_5))))));
         phase_x_choice = rows_1_1 * residuals_1_2;
         const float by_ay = offsets_2 + (arm_a_y * chord_yaw_cosine) + (arm_a_x * limited_yaw_sine);
@@ -944,7 +943,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         const float phasor_ay_sine = (ay_part_full * cosine_2_polynomial(cosine_2_argument_2)) +
             (phasor_ay_cosine * (by_ay * sine_4_polynomial(cosine_2_argument_2)));
         const float phasor_ay_sine_squared = phasor_ay_sine * phasor_ay_sine;
-        const float residuals_2_2 = (turn_yaw_cosine * V_ay_held) + (turn_yaw_sine * V_ax_held) - (phase_x_limited *
+        const float residuals_2_2 = (turn_yaw_cosine * accepted->V_ay) + (turn_yaw_sine * accepted->V_ax) -
+            (phase_x_limited *
             (phasor_ay_sine * (field_1 + (phasor_ay_sine_squared * (field_3 + (phasor_ay_sine_squared * field_5))))));
         phase_x_choice_2 = (rows_1_3 * residuals_1_2) - (minus_rows_2_3 * residuals_2_2);
         phase_x_choice_3 = rows_2_2 * residuals_2_2;
@@ -965,7 +965,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         const float phasor_bx_sine = (bx_part_full * cosine_2_polynomial(cosine_2_argument_3)) +
             (phasor_bx_cosine * (by_bx * sine_4_polynomial(cosine_2_argument_3)));
         const float phasor_bx_sine_squared = phasor_bx_sine * phasor_bx_sine;
-        const float residuals_3_2 = (turn_yaw_cosine * V_bx_held) - (turn_yaw_sine * V_by_held) - (phase_x_limited *
+        const float residuals_3_2 = (turn_yaw_cosine * accepted->V_bx) - (turn_yaw_sine * accepted->V_by) -
+            (phase_x_limited *
             (phasor_bx_sine * (field_1 + (phasor_bx_sine_squared * (field_3 + (phasor_bx_sine_squared * field_5))))));
         phase_x_choice_5 = rows_3_1 * residuals_3_2;
         phase_x_choice_6 = rows_3_3 * residuals_3_2;
@@ -974,7 +975,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         const float phasor_by_sine = (by_part_full * cosine_2_polynomial(cosine_2_argument_4)) +
             (phasor_by_cosine * (by_by * sine_4_polynomial(cosine_2_argument_4)));
         const float phasor_by_sine_squared = phasor_by_sine * phasor_by_sine;
-        const float residuals_4_2 = (turn_yaw_cosine * V_by_held) + (turn_yaw_sine * V_bx_held) - (phase_x_limited *
+        const float residuals_4_2 = (turn_yaw_cosine * accepted->V_by) + (turn_yaw_sine * accepted->V_bx) -
+            (phase_x_limited *
             (phasor_by_sine * (field_1 + (phasor_by_sine_squared * (field_3 + (phasor_by_sine_squared * field_5))))));
         phase_x_choice_7 = -(minus_rows_4_3 * residuals_4_2);
         phase_x_choice_8 = rows_4_2 * residuals_4_2;
@@ -997,7 +999,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         const float phasor_cx_sine = (cx_part_full * cosine_2_polynomial(cosine_2_argument_5)) +
             (phasor_cx_cosine * (by_cx * sine_4_polynomial(cosine_2_argument_5)));
         const float phasor_cx_sine_squared = phasor_cx_sine * phasor_cx_sine;
-        const float residuals_5_2 = (turn_yaw_cosine * V_cx_held) - (turn_yaw_sine * V_cy_held) - (phase_x_limited *
+        const float residuals_5_2 = (turn_yaw_cosine * accepted->V_cx) - (turn_yaw_sine * accepted->V_cy) -
+            (phase_x_limited *
             (phasor_cx_sine * (field_1 + (phasor_cx_sine_squared * (field_3 + (phasor_cx_sine_squared * field_5))))));
         phase_x_choice_11 = rows_5_1 * residuals_5_2;
         phase_x_choice_12 = rows_5_3 * residuals_5_2;
@@ -1006,7 +1009,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         const float phasor_cy_sine = (cy_part_full * cosine_2_polynomial(cosine_2_argument_6)) +
             (phasor_cy_cosine * (by_cy * sine_4_polynomial(cosine_2_argument_6)));
         const float phasor_cy_sine_squared = phasor_cy_sine * phasor_cy_sine;
-        const float residuals_6_2 = (turn_yaw_cosine * V_cy_held) + (turn_yaw_sine * V_cx_held) - (phase_x_limited *
+        const float residuals_6_2 = (turn_yaw_cosine * accepted->V_cy) + (turn_yaw_sine * accepted->V_cx) -
+            (phase_x_limited *
             (phasor_cy_sine * (field_1 + (phasor_cy_sine_squared * (field_3 + (phasor_cy_sine_squared * field_5))))));
         phase_x_choice_13 = -(minus_rows_6_3 * residuals_6_2);
         phase_x_choice_14 = rows_6_2 * residuals_6_2;
@@ -1029,7 +1033,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         const float phasor_dx_sine = (dx_part_full * cosine_2_polynomial(cosine_2_argument_7)) +
             (phasor_dx_cosine * (by_dx * sine_4_polynomial(cosine_2_argument_7)));
         const float phasor_dx_sine_squared = phasor_dx_sine * phasor_dx_sine;
-        const float residuals_7_2 = (turn_yaw_cosine * V_dx_held) - (turn_yaw_sine * V_dy_held) - (phase_x_limited *
+        const float residuals_7_2 = (turn_yaw_cosine * accepted->V_dx) - (turn_yaw_sine * accepted->V_dy) -
+            (phase_x_limited *
             (phasor_dx_sine * (field_1 + (phasor_dx_sine_squared * (field_3 + (phasor_dx_sine_squared * field_5))))));
         phase_x_choice_17 = rows_7_1 * residuals_7_2;
         phase_x_choice_18 = rows_7_3 * residuals_7_2;
@@ -1038,7 +1043,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         const float phasor_dy_sine = (dy_part_full * cosine_2_polynomial(cosine_2_argument_8)) +
             (phasor_dy_cosine * (by_dy * sine_4_polynomial(cosine_2_argument_8)));
         const float phasor_dy_sine_squared = phasor_dy_sine * phasor_dy_sine;
-        const float residuals_8_2 = (turn_yaw_cosine * V_dy_held) + (turn_yaw_sine * V_dx_held) - (phase_x_limited *
+        const float residuals_8_2 = (turn_yaw_cosine * accepted->V_dy) + (turn_yaw_sine * accepted->V_dx) -
+            (phase_x_limited *
             (phasor_dy_sine * (field_1 + (phasor_dy_sine_squared * (field_3 + (phasor_dy_sine_squared * field_5))))));
         phase_x_choice_19 = -(minus_rows_8_3 * residuals_8_2);
         phase_x_choice_20 = rows_8_2 * residuals_8_2;
@@ -1433,6 +1439,8 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
     state->motion_phase_x = hall_position_four_limit(tracked_motion_phase_x, largest_motion_phase);
     state->motion_phase_y = hall_position_four_limit(tracked_motion_phase_y, largest_motion_phase);
     state->motion_yaw = hall_position_four_limit(tracked_motion_yaw, largest_motion_yaw);
+    const bool phases_valid = converged && phases_valid_test && phases_valid_test_2 && phases_valid_test_3 &&
+        tracking && phases_valid_test_4;
     if (diagnostics != NULL) {
         diagnostics->deviation_phase_x = deviation_phase_x;
         diagnostics->deviation_phase_y = deviation_phase_y;
@@ -1440,17 +1448,16 @@ HALL_POSITION_FOUR_LARGE hall_position_four_estimator_t
         diagnostics->phase_y = phase_y;
         diagnostics->protection_phase_x = protection_phase_x;
         diagnostics->protection_phase_y = protection_phase_y;
-        diagnostics->phases_valid = (converged && phases_valid_test && phases_valid_test_2 && phases_valid_test_3 &&
-            tracking && phases_valid_test_4) ? 1.0f : 0.0f;
+        diagnostics->phases_valid = phases_valid ? 1.0f : 0.0f;
     }
     return (hall_position_four_estimator_t){.excluded = excluded, .phase_x = phase_x, .phase_y = phase_y, .yaw = yaw,
         .amplitude = amplitude, .deviation_phase_x = deviation_phase_x, .deviation_phase_y = deviation_phase_y,
         .deviation_yaw = deviation_yaw, .deviation_amplitude = hall_position_four_min(channel_sigma *
         sqrtf(variance_amplitude), largest_deviation_amplitude),
-        .chi_square = hall_position_four_min(inverse_channel_variance * cost, largest_chi_square), .protection_phase_x =
-        protection_phase_x, .protection_phase_y = protection_phase_y, .protection_yaw = protection_yaw, .converged =
-        converged, .weak = weak, .tracking = tracking, .lost = lost, .phases_valid = converged && phases_valid_test &&
-        phases_valid_test_2 && phases_valid_test_3 && tracking && phases_valid_test_4, .doubted = x_trial || contested};
+        .chi_square = hall_position_four_min(inverse_channel_variance * cost, largest_chi_square),
+        .protection_phase_x = protection_phase_x, .protection_phase_y = protection_phase_y,
+        .protection_yaw = protection_yaw, .converged = converged, .weak = weak, .tracking = tracking, .lost = lost,
+        .phases_valid = phases_valid, .doubted = x_trial || contested};
 }
 
 typedef struct {
@@ -1464,30 +1471,29 @@ typedef struct {
 } hall_position_four_metres_t;
 
 /* metres */
-HALL_POSITION_FOUR_INLINE hall_position_four_metres_t hall_position_four_metres(hall_position_four_metres_state_t
-    *state, float phase_x, bool tracking, float phase_y, float deviation_phase_x, float deviation_phase_y,
-    float protection_phase_x, float protection_phase_y, bool phases_valid)
+HALL_POSITION_FOUR_INLINE hall_position_four_metres_t
+    hall_position_four_metres(hall_position_four_metres_state_t *state, const hall_position_four_estimator_t *estimator)
 {
     static const float length_per_phase = 0.008085071f;         /* m/rad; pitch / (2 pi) */
     static const float pitch = 0.0508f;                         /* m; of the magnet matrix */
     static const float most_pitches = 8.0f;                     /* 1; counted to either side */
-    static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float pi = 3.1415927f;                         /* 1 */
     static const float end_of_count = 9.0f;                     /* 1; pitches at which counting stays */
 
     const float last_x = state->last_x;
-    state->last_x = phase_x;
+    state->last_x = estimator->phase_x;
     const float last_y = state->last_y;
-    state->last_y = phase_y;
+    state->last_y = estimator->phase_y;
     const uint32_t counting = state->counting;
     float X_choice = 0.0f;
     float Y_choice = 0.0f;
     float count_x = 0.0f;
     float count_y = 0.0f;
-    if (tracking) {
+    if (estimator->tracking) {
         const float pitch_x = state->pitch_x;
         float X_if_tracking = pitch_x;
         if ((fabsf(pitch_x) <= most_pitches) && (counting != 0u)) {
-            const float change_x = phase_x - last_x;
+            const float change_x = estimator->phase_x - last_x;
             float turned_x;
             if (change_x < -pi) {
                 turned_x = pitch_x + 1.0f;
@@ -1502,7 +1508,7 @@ HALL_POSITION_FOUR_INLINE hall_position_four_metres_t hall_position_four_metres(
         const float pitch_y = state->pitch_y;
         float Y_if_tracking = pitch_y;
         if ((fabsf(pitch_y) <= most_pitches) && (counting != 0u)) {
-            const float change_y = phase_y - last_y;
+            const float change_y = estimator->phase_y - last_y;
             float turned_y;
             if (change_y < -pi) {
                 turned_y = pitch_y + 1.0f;
@@ -1519,12 +1525,12 @@ HALL_POSITION_FOUR_INLINE hall_position_four_metres_t hall_position_four_metres(
     }
     state->pitch_x = count_x;
     state->pitch_y = count_y;
-    state->counting = hall_position_four_flag(tracking);
-    return (hall_position_four_metres_t){.X = (length_per_phase * phase_x) + X_choice,
-        .Y = (length_per_phase * phase_y) + Y_choice, .deviation_X = length_per_phase * deviation_phase_x,
-        .deviation_Y = length_per_phase * deviation_phase_y, .protection_X = length_per_phase * protection_phase_x,
-        .protection_Y = length_per_phase * protection_phase_y, .valid = phases_valid &&
-        (fabsf(count_x) <= most_pitches) && (fabsf(count_y) <= most_pitches)};
+    state->counting = hall_position_four_flag(estimator->tracking);
+    return (hall_position_four_metres_t){.X = (length_per_phase * estimator->phase_x) + X_choice, .Y = (length_per_phase
+        * estimator->phase_y) + Y_choice, .deviation_X = length_per_phase * estimator->deviation_phase_x,
+        .deviation_Y = length_per_phase * estimator->deviation_phase_y, .protection_X = length_per_phase *
+        estimator->protection_phase_x, .protection_Y = length_per_phase * estimator->protection_phase_y,
+        .valid = estimator->phases_valid && (fabsf(count_x) <= most_pitches) && (fabsf(count_y) <= most_pitches)};
 }
 
 /* Each input in its range, else what is held or refused, with its bit of the fault word. */
@@ -1562,18 +1568,15 @@ HALL_POSITION_FOUR_INLINE uint32_t hall_position_four_body(hall_position_four_st
     const hall_position_four_input_t accepted = hall_position_four_guard_inputs(state, in, &faults);
     const uint32_t guard_latched = state->guard.latched;
     const hall_position_four_guard_t guard = hall_position_four_guard(&state->guard, faults, guard_latched);
-    const hall_position_four_screen_t screen = hall_position_four_screen(&state->screen, guard.fault_V_ax,
-        guard.fault_V_ay, accepted.V_ax, accepted.V_ay, guard.fault_V_bx, guard.fault_V_by, accepted.V_bx,
-        accepted.V_by, guard.fault_V_cx, guard.fault_V_cy, accepted.V_cx, accepted.V_cy, guard.fault_V_dx,
-        guard.fault_V_dy, accepted.V_dx, accepted.V_dy, diagnostics);
+    const hall_position_four_screen_t screen = hall_position_four_screen(&state->screen, &guard, &accepted,
+        diagnostics);
     uint32_t fault_word = faults;
     if (guard.latched != 0u) {
         state->guard.latched = 1u;
         fault_word = faults | 0x80000000u;
     }
-    const hall_position_four_estimator_t estimator = hall_position_four_estimator(&state->estimator, screen.rejected,
-        accepted.V_ax, accepted.V_ay, accepted.V_bx, accepted.V_by, accepted.V_cx, accepted.V_cy, accepted.V_dx,
-        accepted.V_dy, screen.screened, diagnostics);
+    const hall_position_four_estimator_t estimator = hall_position_four_estimator(&state->estimator, &screen, &accepted,
+        diagnostics);
     out->yaw = estimator.yaw;
     out->amplitude = estimator.amplitude;
     out->deviation_yaw = estimator.deviation_yaw;
@@ -1584,9 +1587,7 @@ HALL_POSITION_FOUR_INLINE uint32_t hall_position_four_body(hall_position_four_st
     out->protection_yaw = estimator.protection_yaw;
     out->excluded = estimator.excluded;
     out->doubted = estimator.doubted ? 1.0f : 0.0f;
-    const hall_position_four_metres_t metres = hall_position_four_metres(&state->metres, estimator.phase_x,
-        estimator.tracking, estimator.phase_y, estimator.deviation_phase_x, estimator.deviation_phase_y,
-        estimator.protection_phase_x, estimator.protection_phase_y, estimator.phases_valid);
+    const hall_position_four_metres_t metres = hall_position_four_metres(&state->metres, &estimator);
     out->tracking = estimator.tracking ? 1.0f : 0.0f;
     out->lost = estimator.lost ? 1.0f : 0.0f;
     out->X = metres.X;

@@ -1,4 +1,5 @@
-/* hall_position_three: one step every 0.00125 s, float. Generated: do not edit.
+/* hall_position_three: one step every 0.00125 s, float. Generated: do not edit. What may fail and what follows:
+ * hall_position_three.md.
  *
  * Call hall_position_three_init once, then hall_position_three_step once every 0.00125 s with the inputs of that
  * sample, and use its outputs at once. Nothing else may change the state.
@@ -8,17 +9,6 @@
  *
  * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. An estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
- *
- * A refused input is replaced by its last good value, and before its first good value by 0 V (V_ax, V_ay, V_bx, V_by,
- * V_cx, V_cy).
- *
- * What may fail, and what follows:
- * what fails           | noticed by, and when              | used instead       | what follows
- * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * V_ax, V_ay, V_bx,    | bits 0 to 5; in that sample       | its last good      | the law goes on; 5 samples in a row,
- * V_by, V_cx or V_cy   |                                   | value              | of any of them: latches
- * not finite or        |                                   |                    |
- * outside its range    |                                   |                    |
  *
  * At init the body is within half a pitch of the counted origin along X and Y, and within 9 degrees of yaw 0. It rests
  * until the first valid sample: at least 80 % of such starts are valid within 0.15 s. A lost track needs init, and so
@@ -49,6 +39,65 @@
 extern "C" {
 #endif
 
+typedef struct hall_position_three_state hall_position_three_state_t;
+
+typedef struct {
+    float V_ax;                         /* V, -5 .. 5: Hall sensor a, axis x */
+    float V_ay;                         /* V, -5 .. 5: Hall sensor a, axis y */
+    float V_bx;                         /* V, -5 .. 5: Hall sensor b, axis x */
+    float V_by;                         /* V, -5 .. 5: Hall sensor b, axis y */
+    float V_cx;                         /* V, -5 .. 5: Hall sensor c, axis x */
+    float V_cy;                         /* V, -5 .. 5: Hall sensor c, axis y */
+} hall_position_three_input_t;
+
+typedef struct {
+    float X;                            /* m, -0.508 .. 0.508: position of the body's origin along X */
+    float Y;                            /* m, -0.508 .. 0.508: position of the body's origin along Y */
+    float deviation_X;                  /* m, 0 .. 0.000161702: standard deviation of X, limited */
+    float deviation_Y;                  /* m, 0 .. 0.000161702: standard deviation of Y, limited */
+    /* m, 0 .. 0.15: protection level of X: with errors of the covariance R, a fault in one group of channels moves it
+     * by more only with the declared risk */
+    float protection_X;
+    /* m, 0 .. 0.15: protection level of Y: with errors of the covariance R, a fault in one group of channels moves it
+     * by more only with the declared risk */
+    float protection_Y;
+    float yaw;                          /* rad, -0.20944 .. 0.20944 */
+    float amplitude;                    /* 1, 0.75 .. 1.25: field over that of the model */
+    float deviation_yaw;                /* rad, 0 .. 0.008: standard deviation of yaw, limited */
+    float deviation_amplitude;          /* 1, 0 .. 0.02: standard deviation of amplitude, limited */
+    /* rad, 0 .. 6.6: protection level of yaw: with errors of the covariance R, a fault in one group of channels moves
+     * it by more only with the declared risk */
+    float protection_yaw;
+    float chi_square;                   /* 1, 0 .. 1e+09: weighted sum of squared residuals, and of the priors */
+    float converged;                    /* 1, 0 .. 1: the last correction is small */
+    /* 1, 0 .. 1: the channels do not determine every unknown to its largest deviation */
+    float weak;
+    float excluded;                     /* 1, 0 .. 3: number of the group of channels excluded as faulty, 0 for none */
+    float doubted;                      /* 1, 0 .. 1: another group than the excluded one may be at fault */
+    /* 1, 0 .. 1: a sweep of start points has found a single solution, which is followed */
+    float tracking;
+    float lost;                         /* 1, 0 .. 1: the track is lost: nothing is valid until init */
+    /* 1, 0 .. 1: converged, tracked, passes its test, within its protection levels and pitches */
+    float valid;
+} hall_position_three_output_t;
+
+/* Put the state to its initial values. The caller owns it. */
+void hall_position_three_init(hall_position_three_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  V_ax: not finite or outside its range
+ *   bit  1  V_ay: not finite or outside its range
+ *   bit  2  V_bx: not finite or outside its range
+ *   bit  3  V_by: not finite or outside its range
+ *   bit  4  V_cx: not finite or outside its range
+ *   bit  5  V_cy: not finite or outside its range
+ *   bit 31  latched until init
+ */
+uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
+    hall_position_three_output_t *out);
+
+/* What follows is for init and step alone: the state, by Block. */
 typedef struct {
     float last_x;                       /* rad, -3.14159 .. 3.14159: phase of the last sample */
     float last_y;                       /* rad, -3.14159 .. 3.14159: phase of the last sample */
@@ -113,52 +162,12 @@ typedef struct {
     uint32_t ready;                     /* 1, 0 .. 1: every measurement was good at once */
 } hall_position_three_guard_state_t;
 
-typedef struct {
-    float V_ax;                         /* V, -5 .. 5: Hall sensor a, axis x */
-    float V_ay;                         /* V, -5 .. 5: Hall sensor a, axis y */
-    float V_bx;                         /* V, -5 .. 5: Hall sensor b, axis x */
-    float V_by;                         /* V, -5 .. 5: Hall sensor b, axis y */
-    float V_cx;                         /* V, -5 .. 5: Hall sensor c, axis x */
-    float V_cy;                         /* V, -5 .. 5: Hall sensor c, axis y */
-} hall_position_three_input_t;
-
-typedef struct {
-    float X;                            /* m, -0.508 .. 0.508: position of the body's origin along X */
-    float Y;                            /* m, -0.508 .. 0.508: position of the body's origin along Y */
-    float deviation_X;                  /* m, 0 .. 0.000161702: standard deviation of X, limited */
-    float deviation_Y;                  /* m, 0 .. 0.000161702: standard deviation of Y, limited */
-    /* m, 0 .. 0.15: protection level of X: with errors of the covariance R, a fault in one group of channels moves it
-     * by more only with the declared risk */
-    float protection_X;
-    /* m, 0 .. 0.15: protection level of Y: with errors of the covariance R, a fault in one group of channels moves it
-     * by more only with the declared risk */
-    float protection_Y;
-    float yaw;                          /* rad, -0.20944 .. 0.20944 */
-    float amplitude;                    /* 1, 0.75 .. 1.25: field over that of the model */
-    float deviation_yaw;                /* rad, 0 .. 0.008: standard deviation of yaw, limited */
-    float deviation_amplitude;          /* 1, 0 .. 0.02: standard deviation of amplitude, limited */
-    /* rad, 0 .. 6.6: protection level of yaw: with errors of the covariance R, a fault in one group of channels moves
-     * it by more only with the declared risk */
-    float protection_yaw;
-    float chi_square;                   /* 1, 0 .. 1e+09: weighted sum of squared residuals, and of the priors */
-    float converged;                    /* 1, 0 .. 1: the last correction is small */
-    /* 1, 0 .. 1: the channels do not determine every unknown to its largest deviation */
-    float weak;
-    float excluded;                     /* 1, 0 .. 3: number of the group of channels excluded as faulty, 0 for none */
-    float doubted;                      /* 1, 0 .. 1: another group than the excluded one may be at fault */
-    /* 1, 0 .. 1: a sweep of start points has found a single solution, which is followed */
-    float tracking;
-    float lost;                         /* 1, 0 .. 1: the track is lost: nothing is valid until init */
-    /* 1, 0 .. 1: converged, tracked, passes its test, within its protection levels and pitches */
-    float valid;
-} hall_position_three_output_t;
-
-typedef struct {
+struct hall_position_three_state {
     hall_position_three_guard_state_t guard;
     hall_position_three_screen_state_t screen;
     hall_position_three_estimator_state_t estimator;
     hall_position_three_metres_state_t metres;
-} hall_position_three_state_t;
+};
 
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
@@ -170,22 +179,6 @@ extern char hall_position_three_input_size_is_24[(sizeof(hall_position_three_inp
 extern char hall_position_three_output_size_is_76[(sizeof(hall_position_three_output_t) == 76u) ? 1 : -1];
 extern char hall_position_three_state_size_is_184[(sizeof(hall_position_three_state_t) == 184u) ? 1 : -1];
 #endif
-
-/* Put the state to its initial values. The caller owns it. */
-void hall_position_three_init(hall_position_three_state_t *state);
-
-/* Compute one sample: read `in`, write `out`, advance `state`.
- * It returns the fault bits:
- *   bit  0  V_ax: not finite or outside its range
- *   bit  1  V_ay: not finite or outside its range
- *   bit  2  V_bx: not finite or outside its range
- *   bit  3  V_by: not finite or outside its range
- *   bit  4  V_cx: not finite or outside its range
- *   bit  5  V_cy: not finite or outside its range
- *   bit 31  latched until init
- */
-uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in,
-    hall_position_three_output_t *out);
 
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
  * some. Set the struct to zero when you call init. */

@@ -79,38 +79,30 @@ typedef struct {
 } levitator_2dof_servo_z_output_t;
 
 /* servo_z: servo of z */
-LEVITATOR_2DOF_INLINE levitator_2dof_servo_z_output_t levitator_2dof_servo_z_output(levitator_2dof_servo_z_state_t
-    *state, float z_held, float w_z_late1_predicted, float z_ref_held, levitator_2dof_diagnostics_t *diagnostics)
+LEVITATOR_2DOF_INLINE levitator_2dof_servo_z_output_t
+    levitator_2dof_servo_z_output(levitator_2dof_servo_z_state_t *state, const levitator_2dof_input_t *accepted,
+    float w_z_late1_predicted, levitator_2dof_diagnostics_t *diagnostics)
 {
-    static const float start_sum_from_z_held = -44.73818f;      /* m/m; servo of z: start_sum from z_held */
-    static const float w_z_command_from_sum = -1076.6178f;      /* m/s^2/m; servo of z: w_z_command from sum */
-    static const float w_z_command_from_p1 = -3790.4277f;       /* m/s^2/m; servo of z: w_z_command from p1 */
-    static const float w_z_command_from_q1 = -1720.0553f;       /* m/s^2/m; servo of z: w_z_command from q1 */
-    /* m/s^2/m; servo of z: w_z_command from z_predicted */
-    static const float w_z_command_from_z_predicted = 389838.22f;
-    /* m/s^2/m s; servo of z: w_z_command from vz_predicted */
-    static const float w_z_command_from_vz_predicted = -610.0382f;
-    /* m/s^2/m s^2; servo of z: w_z_command from w_z_late1_predicted */
-    static const float w_z_command_from_w_z_late1_predicted = -0.29031637f;
-    static const float w_z_command_from_z_held = -510253.0f;    /* m/s^2/m; servo of z: w_z_command from z_held */
-    static const float w_z_command_from_z_ref_held = 72248.88f; /* m/s^2/m; servo of z: w_z_command from z_ref_held */
-    static const float z_predicted_from_z_predicted = -0.021450125f; /* m/m; servo of z: z_predicted from z_predicted */
-    static const float z_predicted_from_vz_predicted = 0.0005f; /* m/m s; servo of z: z_predicted from vz_predicted */
-    /* m/m s^2; servo of z: z_predicted from w_z_late1_predicted */
-    static const float z_predicted_from_w_z_late1_predicted = 1.25e-07f;
-    static const float z_predicted_from_z_held = 1.0214502f;    /* m/m; servo of z: z_predicted from z_held */
-    /* m/m; servo of z: next_z_predicted from z_predicted */
-    static const float next_z_predicted_from_z_predicted = -0.021450125f;
-    /* m/m s; servo of z: next_z_predicted from vz_predicted */
-    static const float next_z_predicted_from_vz_predicted = 0.0005f;
-    /* m/m s^2; servo of z: next_z_predicted from w_z_late1_predicted */
-    static const float next_z_predicted_from_w_z_late1_predicted = 1.25e-07f;
-    static const float next_z_predicted_from_z_held = 1.0214502f; /* m/m; servo of z: next_z_predicted from z_held */
-    /* m/s/m; servo of z: next_vz_predicted from z_predicted */
-    static const float next_vz_predicted_from_z_predicted = -704.3172f;
-    /* m/s/m s^2; servo of z: next_vz_predicted from w_z_late1_predicted */
-    static const float next_vz_predicted_from_w_z_late1_predicted = 0.0005f;
-    static const float next_vz_predicted_from_z_held = 704.3172f; /* m/s/m; servo of z: next_vz_predicted from z_held */
+    static const float start_sum_from_z_held = -44.73818f;      /* m/m */
+    static const float w_z_command_from_sum = -1076.6178f;      /* m/s^2/m */
+    static const float w_z_command_from_p1 = -3790.4277f;       /* m/s^2/m */
+    static const float w_z_command_from_q1 = -1720.0553f;       /* m/s^2/m */
+    static const float w_z_command_from_z_predicted = 389838.22f; /* m/s^2/m */
+    static const float w_z_command_from_vz_predicted = -610.0382f; /* m/s^2/m s */
+    static const float w_z_command_from_w_z_late1_predicted = -0.29031637f; /* m/s^2/m s^2 */
+    static const float w_z_command_from_z_held = -510253.0f;    /* m/s^2/m */
+    static const float w_z_command_from_z_ref_held = 72248.88f; /* m/s^2/m */
+    static const float z_predicted_from_z_predicted = -0.021450125f; /* m/m */
+    static const float z_predicted_from_vz_predicted = 0.0005f; /* m/m s */
+    static const float z_predicted_from_w_z_late1_predicted = 1.25e-07f; /* m/m s^2 */
+    static const float z_predicted_from_z_held = 1.0214502f;    /* m/m */
+    static const float next_z_predicted_from_z_predicted = -0.021450125f; /* m/m */
+    static const float next_z_predicted_from_vz_predicted = 0.0005f; /* m/m s */
+    static const float next_z_predicted_from_w_z_late1_predicted = 1.25e-07f; /* m/m s^2 */
+    static const float next_z_predicted_from_z_held = 1.0214502f; /* m/m */
+    static const float next_vz_predicted_from_z_predicted = -704.3172f; /* m/s/m */
+    static const float next_vz_predicted_from_w_z_late1_predicted = 0.0005f; /* m/s/m s^2 */
+    static const float next_vz_predicted_from_z_held = 704.3172f; /* m/s/m */
 
     const float z_predicted_2 = state->z_predicted;
     const uint32_t started = state->started;
@@ -118,38 +110,36 @@ LEVITATOR_2DOF_INLINE levitator_2dof_servo_z_output_t levitator_2dof_servo_z_out
     float current_sum = sum;
     float current_z_predicted = z_predicted_2;
     if (started == 0u) {
-        current_sum = levitator_2dof_limit(sum + (start_sum_from_z_held * z_held), 0.34f);
-        current_z_predicted = levitator_2dof_limit(z_predicted_2 + z_held, 0.0014f);
+        current_sum = levitator_2dof_limit(sum + (start_sum_from_z_held * accepted->z), 0.34f);
+        current_z_predicted = levitator_2dof_limit(z_predicted_2 + accepted->z, 0.0014f);
     }
     const float vz_predicted = state->vz_predicted;
     const float next_values_z_predicted = (next_z_predicted_from_z_predicted * current_z_predicted) +
-        (next_z_predicted_from_vz_predicted * vz_predicted) +
-        (next_z_predicted_from_w_z_late1_predicted * w_z_late1_predicted) + (next_z_predicted_from_z_held * z_held);
+        (next_z_predicted_from_vz_predicted * vz_predicted) + (next_z_predicted_from_w_z_late1_predicted *
+        w_z_late1_predicted) + (next_z_predicted_from_z_held * accepted->z);
     state->z_predicted = levitator_2dof_limit(next_values_z_predicted, 0.0014f);
     const float next_values_vz_predicted = (next_vz_predicted_from_z_predicted * current_z_predicted) + vz_predicted +
-        (next_vz_predicted_from_w_z_late1_predicted * w_z_late1_predicted) + (next_vz_predicted_from_z_held * z_held);
+        (next_vz_predicted_from_w_z_late1_predicted * w_z_late1_predicted) +
+        (next_vz_predicted_from_z_held * accepted->z);
     state->vz_predicted = levitator_2dof_limit(next_values_vz_predicted, 1.3f);
     state->started = 1u;
-    if (diagnostics != NULL) {
-        diagnostics->w_z_command = (w_z_command_from_sum * current_sum) + (w_z_command_from_p1 * state->p1) +
-            (w_z_command_from_q1 * state->q1) + (w_z_command_from_z_predicted * current_z_predicted) +
-            (w_z_command_from_vz_predicted * vz_predicted) + (w_z_command_from_w_z_late1_predicted *
-            w_z_late1_predicted) + (w_z_command_from_z_held * z_held) + (w_z_command_from_z_ref_held * z_ref_held);
-        diagnostics->z_predicted = (z_predicted_from_z_predicted * current_z_predicted) +
-            (z_predicted_from_vz_predicted * vz_predicted) +
-            (z_predicted_from_w_z_late1_predicted * w_z_late1_predicted) + (z_predicted_from_z_held * z_held);
-    }
-    return (levitator_2dof_servo_z_output_t){.current_sum = current_sum,
-        .w_z_command = (w_z_command_from_sum * current_sum) + (w_z_command_from_p1 * state->p1) +
+    const float w_z_command = (w_z_command_from_sum * current_sum) + (w_z_command_from_p1 * state->p1) +
         (w_z_command_from_q1 * state->q1) + (w_z_command_from_z_predicted * current_z_predicted) +
         (w_z_command_from_vz_predicted * vz_predicted) + (w_z_command_from_w_z_late1_predicted * w_z_late1_predicted) +
-        (w_z_command_from_z_held * z_held) + (w_z_command_from_z_ref_held * z_ref_held), .z_predicted =
-        (z_predicted_from_z_predicted * current_z_predicted) + (z_predicted_from_vz_predicted * vz_predicted) +
-        (z_predicted_from_w_z_late1_predicted * w_z_late1_predicted) + (z_predicted_from_z_held * z_held)};
+        (w_z_command_from_z_held * accepted->z) + (w_z_command_from_z_ref_held * accepted->z_ref);
+    const float z_predicted = (z_predicted_from_z_predicted * current_z_predicted) +
+        (z_predicted_from_vz_predicted * vz_predicted) + (z_predicted_from_w_z_late1_predicted * w_z_late1_predicted) +
+        (z_predicted_from_z_held * accepted->z);
+    if (diagnostics != NULL) {
+        diagnostics->w_z_command = w_z_command;
+        diagnostics->z_predicted = z_predicted;
+    }
+    return (levitator_2dof_servo_z_output_t){.current_sum = current_sum, .w_z_command = w_z_command,
+        .z_predicted = z_predicted};
 }
 
 typedef struct {
-    float drift;
+    float a;
     float i1_demand;
 } levitator_2dof_inverse_z_t;
 
@@ -157,11 +147,12 @@ typedef struct {
 LEVITATOR_2DOF_INLINE levitator_2dof_inverse_z_t levitator_2dof_inverse_z(float w_z_command, float exp_polynomial,
     levitator_2dof_diagnostics_t *diagnostics)
 {
-    const float drift = (9.333333f * exp_polynomial) - 9.81f;
+    const float a = (9.333333f * exp_polynomial) - 9.81f;
+    const float i1_demand = 0.075f * (w_z_command - a) / exp_polynomial;
     if (diagnostics != NULL) {
-        diagnostics->i1_demand = 0.075f * (w_z_command - drift) / exp_polynomial;
+        diagnostics->i1_demand = i1_demand;
     }
-    return (levitator_2dof_inverse_z_t){.drift = drift, .i1_demand = 0.075f * (w_z_command - drift) / exp_polynomial};
+    return (levitator_2dof_inverse_z_t){.a = a, .i1_demand = i1_demand};
 }
 
 typedef struct {
@@ -171,34 +162,27 @@ typedef struct {
 
 /* servo_x: servo of x */
 LEVITATOR_2DOF_INLINE levitator_2dof_servo_x_output_t levitator_2dof_servo_x_output(levitator_2dof_servo_x_state_t
-    *state, float x_held, float x_ref_held, levitator_2dof_diagnostics_t *diagnostics)
+    *state, const levitator_2dof_input_t *accepted, levitator_2dof_diagnostics_t *diagnostics)
 {
-    static const float start_sum_from_x_held = -60.02324f;      /* m/m; servo of x: start_sum from x_held */
-    static const float i2_demand_from_sum = -34.916763f;        /* A/m; servo of x: i2_demand from sum */
-    static const float i2_demand_from_p1 = -130.0009f;          /* A/m; servo of x: i2_demand from p1 */
-    static const float i2_demand_from_q1 = -55.77232f;          /* A/m; servo of x: i2_demand from q1 */
-    static const float i2_demand_from_p2 = 350.80725f;          /* A/m; servo of x: i2_demand from p2 */
-    static const float i2_demand_from_q2 = 13.477797f;          /* A/m; servo of x: i2_demand from q2 */
-    static const float i2_demand_from_x_predicted = 19688.031f; /* A/m; servo of x: i2_demand from x_predicted */
-    static const float i2_demand_from_vx_predicted = -19.514633f; /* A/m s; servo of x: i2_demand from vx_predicted */
-    /* A/A; servo of x: i2_demand from i2_late1_predicted */
-    static const float i2_demand_from_i2_late1_predicted = -0.246704f;
-    static const float i2_demand_from_x_held = -23879.664f;     /* A/m; servo of x: i2_demand from x_held */
-    static const float i2_demand_from_x_ref_held = 2095.8171f;  /* A/m; servo of x: i2_demand from x_ref_held */
-    /* m/m; servo of x: next_x_predicted from x_predicted */
-    static const float next_x_predicted_from_x_predicted = -0.30337617f;
-    /* m/m s; servo of x: next_x_predicted from vx_predicted */
-    static const float next_x_predicted_from_vx_predicted = 0.0004995558f;
-    /* m/A; servo of x: next_x_predicted from i2_late1_predicted */
-    static const float next_x_predicted_from_i2_late1_predicted = 3.3313897e-06f;
-    static const float next_x_predicted_from_x_held = 1.3032097f; /* m/m; servo of x: next_x_predicted from x_held */
-    /* m/s/m; servo of x: next_vx_predicted from x_predicted */
-    static const float next_vx_predicted_from_x_predicted = -1055.379f;
-    /* m/s/m s; servo of x: next_vx_predicted from vx_predicted */
-    static const float next_vx_predicted_from_vx_predicted = 0.99816823f;
-    /* m/s/A; servo of x: next_vx_predicted from i2_late1_predicted */
-    static const float next_vx_predicted_from_i2_late1_predicted = 0.013321488f;
-    static const float next_vx_predicted_from_x_held = 1054.713f; /* m/s/m; servo of x: next_vx_predicted from x_held */
+    static const float start_sum_from_x_held = -60.02324f;      /* m/m */
+    static const float i2_demand_from_sum = -34.916763f;        /* A/m */
+    static const float i2_demand_from_p1 = -130.0009f;          /* A/m */
+    static const float i2_demand_from_q1 = -55.77232f;          /* A/m */
+    static const float i2_demand_from_p2 = 350.80725f;          /* A/m */
+    static const float i2_demand_from_q2 = 13.477797f;          /* A/m */
+    static const float i2_demand_from_x_predicted = 19688.031f; /* A/m */
+    static const float i2_demand_from_vx_predicted = -19.514633f; /* A/m s */
+    static const float i2_demand_from_i2_late1_predicted = -0.246704f; /* A/A */
+    static const float i2_demand_from_x_held = -23879.664f;     /* A/m */
+    static const float i2_demand_from_x_ref_held = 2095.8171f;  /* A/m */
+    static const float next_x_predicted_from_x_predicted = -0.30337617f; /* m/m */
+    static const float next_x_predicted_from_vx_predicted = 0.0004995558f; /* m/m s */
+    static const float next_x_predicted_from_i2_late1_predicted = 3.3313897e-06f; /* m/A */
+    static const float next_x_predicted_from_x_held = 1.3032097f; /* m/m */
+    static const float next_vx_predicted_from_x_predicted = -1055.379f; /* m/s/m */
+    static const float next_vx_predicted_from_vx_predicted = 0.99816823f; /* m/s/m s */
+    static const float next_vx_predicted_from_i2_late1_predicted = 0.013321488f; /* m/s/A */
+    static const float next_vx_predicted_from_x_held = 1054.713f; /* m/s/m */
 
     const float x_predicted = state->x_predicted;
     const uint32_t started = state->started;
@@ -206,32 +190,28 @@ LEVITATOR_2DOF_INLINE levitator_2dof_servo_x_output_t levitator_2dof_servo_x_out
     float current_sum = sum;
     float current_x_predicted = x_predicted;
     if (started == 0u) {
-        current_sum = levitator_2dof_limit(sum + (start_sum_from_x_held * x_held), 0.51f);
-        current_x_predicted = levitator_2dof_limit(x_predicted + x_held, 0.0024f);
+        current_sum = levitator_2dof_limit(sum + (start_sum_from_x_held * accepted->x), 0.51f);
+        current_x_predicted = levitator_2dof_limit(x_predicted + accepted->x, 0.0024f);
     }
     const float vx_predicted = state->vx_predicted;
     const float i2_late1_predicted = state->i2_late1_predicted;
     const float next_values_x_predicted = (next_x_predicted_from_x_predicted * current_x_predicted) +
         (next_x_predicted_from_vx_predicted * vx_predicted) +
-        (next_x_predicted_from_i2_late1_predicted * i2_late1_predicted) + (next_x_predicted_from_x_held * x_held);
+        (next_x_predicted_from_i2_late1_predicted * i2_late1_predicted) + (next_x_predicted_from_x_held * accepted->x);
     state->x_predicted = levitator_2dof_limit(next_values_x_predicted, 0.0024f);
     const float next_values_vx_predicted = (next_vx_predicted_from_x_predicted * current_x_predicted) +
-        (next_vx_predicted_from_vx_predicted * vx_predicted) +
-        (next_vx_predicted_from_i2_late1_predicted * i2_late1_predicted) + (next_vx_predicted_from_x_held * x_held);
+        (next_vx_predicted_from_vx_predicted * vx_predicted) + (next_vx_predicted_from_i2_late1_predicted *
+        i2_late1_predicted) + (next_vx_predicted_from_x_held * accepted->x);
     state->vx_predicted = levitator_2dof_limit(next_values_vx_predicted, 2.8f);
     state->started = 1u;
+    const float i2_demand = (i2_demand_from_sum * current_sum) + (i2_demand_from_p1 * state->p1) + (i2_demand_from_q1 *
+        state->q1) + (i2_demand_from_p2 * state->p2) + (i2_demand_from_q2 * state->q2) + (i2_demand_from_x_predicted *
+        current_x_predicted) + (i2_demand_from_vx_predicted * vx_predicted) + (i2_demand_from_i2_late1_predicted *
+        i2_late1_predicted) + (i2_demand_from_x_held * accepted->x) + (i2_demand_from_x_ref_held * accepted->x_ref);
     if (diagnostics != NULL) {
-        diagnostics->i2_demand = (i2_demand_from_sum * current_sum) + (i2_demand_from_p1 * state->p1) +
-            (i2_demand_from_q1 * state->q1) + (i2_demand_from_p2 * state->p2) + (i2_demand_from_q2 * state->q2) +
-            (i2_demand_from_x_predicted * current_x_predicted) + (i2_demand_from_vx_predicted * vx_predicted) +
-            (i2_demand_from_i2_late1_predicted * i2_late1_predicted) + (i2_demand_from_x_held * x_held) +
-            (i2_demand_from_x_ref_held * x_ref_held);
+        diagnostics->i2_demand = i2_demand;
     }
-    return (levitator_2dof_servo_x_output_t){.current_sum = current_sum, .i2_demand = (i2_demand_from_sum *
-        current_sum) + (i2_demand_from_p1 * state->p1) + (i2_demand_from_q1 * state->q1) + (i2_demand_from_p2 *
-        state->p2) + (i2_demand_from_q2 * state->q2) + (i2_demand_from_x_predicted * current_x_predicted) +
-        (i2_demand_from_vx_predicted * vx_predicted) + (i2_demand_from_i2_late1_predicted * i2_late1_predicted) +
-        (i2_demand_from_x_held * x_held) + (i2_demand_from_x_ref_held * x_ref_held)};
+    return (levitator_2dof_servo_x_output_t){.current_sum = current_sum, .i2_demand = i2_demand};
 }
 
 typedef struct {
@@ -261,11 +241,11 @@ LEVITATOR_2DOF_INLINE levitator_2dof_limits_t levitator_2dof_limits(float i1_dem
 LEVITATOR_2DOF_INLINE void levitator_2dof_servo_z_update(levitator_2dof_servo_z_state_t *state, float current_sum,
     float z_error, float exp_polynomial, float i1_excess)
 {
-    static const float next_sum_from_w_z_excess = -1.6728576e-05f; /* m/m s^2; servo of z: next_sum from w_z_excess */
-    static const float next_p1_from_q1 = 0.0009868792f;         /* m/m; servo of z: next_p1 from q1 */
-    static const float next_p1_from_w_z_excess = 3.4155806e-07f; /* m/m s^2; servo of z: next_p1 from w_z_excess */
-    static const float next_q1_from_q1 = 0.9990131f;            /* m/m; servo of z: next_q1 from q1 */
-    static const float next_q1_from_w_z_excess = -1.6240092e-05f; /* m/m s^2; servo of z: next_q1 from w_z_excess */
+    static const float next_sum_from_w_z_excess = -1.6728576e-05f; /* m/m s^2 */
+    static const float next_p1_from_q1 = 0.0009868792f;         /* m/m */
+    static const float next_p1_from_w_z_excess = 3.4155806e-07f; /* m/m s^2 */
+    static const float next_q1_from_q1 = 0.9990131f;            /* m/m */
+    static const float next_q1_from_w_z_excess = -1.6240092e-05f; /* m/m s^2 */
 
     const float sum_product = exp_polynomial * i1_excess;
     state->sum = levitator_2dof_limit(current_sum - z_error + (13.333333f * (next_sum_from_w_z_excess * sum_product)),
@@ -280,30 +260,32 @@ LEVITATOR_2DOF_INLINE void levitator_2dof_servo_z_update(levitator_2dof_servo_z_
 
 /* servo_x: servo of x */
 LEVITATOR_2DOF_INLINE void levitator_2dof_servo_x_update(levitator_2dof_servo_x_state_t *state, float current_sum,
-    float x_error, float i2_excess, float i2_computed)
+    float x_error, const levitator_2dof_limits_t *limits)
 {
-    static const float next_sum_from_i2_excess = -0.00051277f;  /* m/A; servo of x: next_sum from i2_excess */
-    static const float next_p1_from_q1 = 0.0009868792f;         /* m/m; servo of x: next_p1 from q1 */
-    static const float next_p1_from_i2_excess = 9.798624e-06f;  /* m/A; servo of x: next_p1 from i2_excess */
-    static const float next_q1_from_q1 = 0.9990131f;            /* m/m; servo of x: next_q1 from q1 */
-    static const float next_q1_from_i2_excess = -0.00051205757f; /* m/A; servo of x: next_q1 from i2_excess */
-    static const float next_p2_from_q2 = 0.02462332f;           /* m/m; servo of x: next_p2 from q2 */
-    static const float next_p2_from_i2_excess = 7.537349e-05f;  /* m/A; servo of x: next_p2 from i2_excess */
-    static const float next_q2_from_q2 = 0.97537667f;           /* m/m; servo of x: next_q2 from q2 */
-    static const float next_q2_from_i2_excess = 0.00018017541f; /* m/A; servo of x: next_q2 from i2_excess */
+    static const float next_sum_from_i2_excess = -0.00051277f;  /* m/A */
+    static const float next_p1_from_q1 = 0.0009868792f;         /* m/m */
+    static const float next_p1_from_i2_excess = 9.798624e-06f;  /* m/A */
+    static const float next_q1_from_q1 = 0.9990131f;            /* m/m */
+    static const float next_q1_from_i2_excess = -0.00051205757f; /* m/A */
+    static const float next_p2_from_q2 = 0.02462332f;           /* m/m */
+    static const float next_p2_from_i2_excess = 7.537349e-05f;  /* m/A */
+    static const float next_q2_from_q2 = 0.97537667f;           /* m/m */
+    static const float next_q2_from_i2_excess = 0.00018017541f; /* m/A */
 
-    state->sum = levitator_2dof_limit(current_sum - x_error + (next_sum_from_i2_excess * i2_excess), 0.51f);
+    state->sum = levitator_2dof_limit(current_sum - x_error + (next_sum_from_i2_excess * limits->i2_excess), 0.51f);
     const float p1 = state->p1;
     const float q1 = state->q1;
-    state->p1 = levitator_2dof_limit(p1 + (next_p1_from_q1 * q1) + (next_p1_from_i2_excess * i2_excess), 0.014f);
-    state->q1 = levitator_2dof_limit((next_q1_from_q1 * q1) - p1 - x_error + (next_q1_from_i2_excess * i2_excess),
-        0.41f);
+    state->p1 = levitator_2dof_limit(p1 + (next_p1_from_q1 * q1) + (next_p1_from_i2_excess * limits->i2_excess),
+        0.014f);
+    state->q1 = levitator_2dof_limit((next_q1_from_q1 * q1) - p1 - x_error +
+        (next_q1_from_i2_excess * limits->i2_excess), 0.41f);
     const float p2 = state->p2;
     const float q2 = state->q2;
-    state->p2 = levitator_2dof_limit(p2 + (next_p2_from_q2 * q2) + (next_p2_from_i2_excess * i2_excess), 0.073f);
-    state->q2 = levitator_2dof_limit((next_q2_from_q2 * q2) - p2 - x_error + (next_q2_from_i2_excess * i2_excess),
-        0.48f);
-    state->i2_late1_predicted = i2_computed;
+    state->p2 = levitator_2dof_limit(p2 + (next_p2_from_q2 * q2) + (next_p2_from_i2_excess * limits->i2_excess),
+        0.073f);
+    state->q2 = levitator_2dof_limit((next_q2_from_q2 * q2) - p2 - x_error +
+        (next_q2_from_i2_excess * limits->i2_excess), 0.48f);
+    state->i2_late1_predicted = limits->i2_computed;
 }
 
 /* Each input in its range, else what is held or refused, with its bit of the fault word. */
@@ -316,6 +298,39 @@ LEVITATOR_2DOF_INLINE levitator_2dof_input_t levitator_2dof_guard_inputs(levitat
     accepted.z_ref = levitator_2dof_hold_within(in->z_ref, 0.0005f, &state->guard.last_z_ref, 0x00000004u, faults);
     accepted.x_ref = levitator_2dof_hold_within(in->x_ref, 0.0008f, &state->guard.last_x_ref, 0x00000008u, faults);
     return accepted;
+}
+
+/* the law: what the step computes unless it is latched */
+LEVITATOR_2DOF_INLINE void levitator_2dof_law(levitator_2dof_state_t *state, const levitator_2dof_input_t *accepted,
+    levitator_2dof_output_t *out, levitator_2dof_diagnostics_t *diagnostics)
+{
+    /* errors: tracking errors */
+    const float z_error = accepted->z_ref - accepted->z;
+    const float x_error = accepted->x_ref - accepted->x;
+    const levitator_2dof_servo_z_output_t servo_z_output = levitator_2dof_servo_z_output(&state->servo_z, accepted,
+        state->servo_z.w_z_late1_predicted, diagnostics);
+    const float exp_2 = exp_polynomial(levitator_2dof_limit(servo_z_output.z_predicted, 0.0006f));
+    const levitator_2dof_inverse_z_t inverse_z = levitator_2dof_inverse_z(servo_z_output.w_z_command, exp_2,
+        diagnostics);
+    const levitator_2dof_servo_x_output_t servo_x_output = levitator_2dof_servo_x_output(&state->servo_x, accepted,
+        diagnostics);
+    const levitator_2dof_limits_t limits = levitator_2dof_limits(inverse_z.i1_demand, servo_x_output.i2_demand,
+        diagnostics);
+
+    /* achieved_z: feedback linearisation of z */
+    const float w_z_limited = inverse_z.a + (13.333333f * (exp_2 * limits.i1_computed));
+    state->safe_output_last_i1 = limits.i1_computed;
+    out->i1 = limits.i1_computed;
+    state->servo_z.w_z_late1_predicted = w_z_limited;
+    levitator_2dof_servo_z_update(&state->servo_z, servo_z_output.current_sum, z_error, exp_2, limits.i1_excess);
+    out->i2 = limits.i2_computed;
+    state->safe_output_last_i2 = limits.i2_computed;
+    levitator_2dof_servo_x_update(&state->servo_x, servo_x_output.current_sum, x_error, &limits);
+    if (diagnostics != NULL) {
+        diagnostics->z_error = z_error;
+        diagnostics->x_error = x_error;
+        diagnostics->w_z_limited = w_z_limited;
+    }
 }
 
 void levitator_2dof_init(levitator_2dof_state_t *state)
@@ -349,34 +364,7 @@ LEVITATOR_2DOF_INLINE uint32_t levitator_2dof_body(levitator_2dof_state_t *state
         state->guard.latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* errors: tracking errors */
-        const float z_error = accepted.z_ref - accepted.z;
-        const float x_error = accepted.x_ref - accepted.x;
-        const levitator_2dof_servo_z_output_t servo_z_output = levitator_2dof_servo_z_output(&state->servo_z,
-            accepted.z, state->servo_z.w_z_late1_predicted, accepted.z_ref, diagnostics);
-        const float exp_2 = exp_polynomial(levitator_2dof_limit(servo_z_output.z_predicted, 0.0006f));
-        const levitator_2dof_inverse_z_t inverse_z = levitator_2dof_inverse_z(servo_z_output.w_z_command, exp_2,
-            diagnostics);
-        const levitator_2dof_servo_x_output_t servo_x_output = levitator_2dof_servo_x_output(&state->servo_x,
-            accepted.x, accepted.x_ref, diagnostics);
-        const levitator_2dof_limits_t limits = levitator_2dof_limits(inverse_z.i1_demand, servo_x_output.i2_demand,
-            diagnostics);
-
-        /* achieved_z: feedback linearisation of z */
-        const float w_z_limited = inverse_z.drift + (13.333333f * (exp_2 * limits.i1_computed));
-        state->safe_output_last_i1 = limits.i1_computed;
-        out->i1 = limits.i1_computed;
-        state->servo_z.w_z_late1_predicted = w_z_limited;
-        levitator_2dof_servo_z_update(&state->servo_z, servo_z_output.current_sum, z_error, exp_2, limits.i1_excess);
-        out->i2 = limits.i2_computed;
-        state->safe_output_last_i2 = limits.i2_computed;
-        levitator_2dof_servo_x_update(&state->servo_x, servo_x_output.current_sum, x_error, limits.i2_excess,
-            limits.i2_computed);
-        if (diagnostics != NULL) {
-            diagnostics->z_error = z_error;
-            diagnostics->x_error = x_error;
-            diagnostics->w_z_limited = w_z_limited;
-        }
+        levitator_2dof_law(state, &accepted, out, diagnostics);
     }
 
     if (diagnostics != NULL) {

@@ -1,4 +1,5 @@
-/* levitator_2dof: one step every 0.0005 s, float. Generated: do not edit.
+/* levitator_2dof: one step every 0.0005 s, float. Generated: do not edit. What may fail and what follows:
+ * levitator_2dof.md.
  *
  * Call levitator_2dof_init once, then levitator_2dof_step once every 0.0005 s with the inputs of that sample. Nothing
  * else may change the state.
@@ -12,26 +13,8 @@
  * When a measurement is refused in 4 samples in a row, the step latches in the last of them until init, and the outputs
  * move to the safe output: i1, i2 to 0 A at 100 A/s.
  *
- * What this does to the machine:
- *   - without current the stage comes down to its stop and the flexure centres x
- *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.043 m/s (z) and hits a stop at 0.045 m/s (z)
- *   - in motion the machine reaches 0.045 m/s (z) and hits a stop at 0.045 m/s (z)
- *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
- *
- * A refused input is replaced by its last good value, and before its first good value by 0 m (z, x, z_ref, x_ref).
- *
- * What may fail, and what follows:
- * what fails           | noticed by, and when              | used instead       | what follows
- * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * z or x not finite or | bits 0, 1; in that sample         | its last good      | the law goes on; 4 samples in a row,
- * outside its range    |                                   | value              | of any of them: latches
- * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * z_ref or x_ref not   | bits 2, 3; in that sample         | its last good      | the law goes on; never latches
- * finite or outside    |                                   | value              |
- * its range            |                                   |                    |
  *
  * At init the machine is at rest under the safe output, which acts until the first outputs of the step do.
  *
@@ -57,6 +40,35 @@
 extern "C" {
 #endif
 
+typedef struct levitator_2dof_state levitator_2dof_state_t;
+
+typedef struct {
+    float z;                            /* m, -0.0007 .. 0.0007: position along z */
+    float x;                            /* m, -0.0011 .. 0.0011: position along x */
+    float z_ref;                        /* m, -0.0005 .. 0.0005: set-point of z */
+    float x_ref;                        /* m, -0.0008 .. 0.0008: set-point of x */
+} levitator_2dof_input_t;
+
+typedef struct {
+    float i1;                           /* A, -3 .. 3: coil of the magnet */
+    float i2;                           /* A, -2 .. 2: voice coil */
+} levitator_2dof_output_t;
+
+/* Put the state to its initial values. The caller owns it. */
+void levitator_2dof_init(levitator_2dof_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  z: not finite or outside its range
+ *   bit  1  x: not finite or outside its range
+ *   bit  2  z_ref: not finite or outside its range
+ *   bit  3  x_ref: not finite or outside its range
+ *   bit 31  latched until init
+ */
+uint32_t levitator_2dof_step(levitator_2dof_state_t *state, const levitator_2dof_input_t *in,
+    levitator_2dof_output_t *out);
+
+/* What follows is for init and step alone: the state, by Block. */
 typedef struct {
     float sum;                          /* m, -0.51 .. 0.51: sum of the errors */
     float p1;                           /* m, -0.014 .. 0.014: internal model of 62.83 rad/s */
@@ -89,25 +101,13 @@ typedef struct {
     uint32_t ready;                     /* 1, 0 .. 1: every measurement was good at once */
 } levitator_2dof_guard_state_t;
 
-typedef struct {
-    float z;                            /* m, -0.0007 .. 0.0007: position along z */
-    float x;                            /* m, -0.0011 .. 0.0011: position along x */
-    float z_ref;                        /* m, -0.0005 .. 0.0005: set-point of z */
-    float x_ref;                        /* m, -0.0008 .. 0.0008: set-point of x */
-} levitator_2dof_input_t;
-
-typedef struct {
-    float i1;                           /* A, -3 .. 3: coil of the magnet */
-    float i2;                           /* A, -2 .. 2: voice coil */
-} levitator_2dof_output_t;
-
-typedef struct {
+struct levitator_2dof_state {
     levitator_2dof_guard_state_t guard;
     levitator_2dof_servo_z_state_t servo_z;
     levitator_2dof_servo_x_state_t servo_x;
     float safe_output_last_i1;          /* A, -3 .. 3: last output */
     float safe_output_last_i2;          /* A, -2 .. 2: last output */
-} levitator_2dof_state_t;
+};
 
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
@@ -119,20 +119,6 @@ extern char levitator_2dof_input_size_is_16[(sizeof(levitator_2dof_input_t) == 1
 extern char levitator_2dof_output_size_is_8[(sizeof(levitator_2dof_output_t) == 8u) ? 1 : -1];
 extern char levitator_2dof_state_size_is_100[(sizeof(levitator_2dof_state_t) == 100u) ? 1 : -1];
 #endif
-
-/* Put the state to its initial values. The caller owns it. */
-void levitator_2dof_init(levitator_2dof_state_t *state);
-
-/* Compute one sample: read `in`, write `out`, advance `state`.
- * It returns the fault bits:
- *   bit  0  z: not finite or outside its range
- *   bit  1  x: not finite or outside its range
- *   bit  2  z_ref: not finite or outside its range
- *   bit  3  x_ref: not finite or outside its range
- *   bit 31  latched until init
- */
-uint32_t levitator_2dof_step(levitator_2dof_state_t *state, const levitator_2dof_input_t *in,
-    levitator_2dof_output_t *out);
 
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
  * some. Set the struct to zero when you call init. Bits of `saturated`: 0 i1_computed, 1 i2_computed. */

@@ -176,43 +176,43 @@ typedef struct {
 } maglev_5dof_redundancy_output_t;
 
 /* redundancy: parity, innovations, frozen codes */
-MAGLEV_5DOF_INLINE maglev_5dof_redundancy_output_t
-    maglev_5dof_redundancy_output(const maglev_5dof_redundancy_state_t *state, uint32_t ready, bool complete,
-    float y1_accepted, float y2_accepted, float y3_accepted, float y4_accepted, maglev_5dof_diagnostics_t *diagnostics)
+MAGLEV_5DOF_INLINE maglev_5dof_redundancy_output_t maglev_5dof_redundancy_output(const maglev_5dof_redundancy_state_t
+    *state, uint32_t ready, bool complete, const maglev_5dof_input_t *accepted, maglev_5dof_diagnostics_t *diagnostics)
 {
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
 
     const uint32_t degraded = state->degraded;
-    const bool same_y1 = maglev_5dof_equal(y1_accepted, state->code_y1);
+    const bool sound = (ready != 0u) && complete && (degraded == 0u);
+    const bool same_y1 = maglev_5dof_equal(accepted->y1, state->code_y1);
     uint32_t still_y1_next = 0u;
     if (same_y1) {
         const uint32_t still_y1 = state->still_y1;
         still_y1_next = (still_samples <= still_y1) ? still_y1 : (still_y1 + 1u);
     }
-    const bool same_y2 = maglev_5dof_equal(y2_accepted, state->code_y2);
+    const bool same_y2 = maglev_5dof_equal(accepted->y2, state->code_y2);
     uint32_t still_y2_next = 0u;
     if (same_y2) {
         const uint32_t still_y2 = state->still_y2;
         still_y2_next = (still_samples <= still_y2) ? still_y2 : (still_y2 + 1u);
     }
-    const bool same_y3 = maglev_5dof_equal(y3_accepted, state->code_y3);
+    const bool same_y3 = maglev_5dof_equal(accepted->y3, state->code_y3);
     uint32_t still_y3_next = 0u;
     if (same_y3) {
         const uint32_t still_y3 = state->still_y3;
         still_y3_next = (still_samples <= still_y3) ? still_y3 : (still_y3 + 1u);
     }
-    const bool same_y4 = maglev_5dof_equal(y4_accepted, state->code_y4);
+    const bool same_y4 = maglev_5dof_equal(accepted->y4, state->code_y4);
     uint32_t still_y4_next = 0u;
     if (same_y4) {
         const uint32_t still_y4 = state->still_y4;
         still_y4_next = (still_samples <= still_y4) ? still_y4 : (still_y4 + 1u);
     }
     if (diagnostics != NULL) {
-        diagnostics->sound = ((ready != 0u) && complete && (degraded == 0u)) ? 1.0f : 0.0f;
+        diagnostics->sound = sound ? 1.0f : 0.0f;
     }
     return (maglev_5dof_redundancy_output_t){.still_y1_next = still_y1_next, .still_y2_next = still_y2_next,
-        .still_y3_next = still_y3_next, .still_y4_next = still_y4_next, .sound = (ready != 0u) && complete &&
-        (degraded == 0u), .same_y1 = same_y1, .same_y2 = same_y2, .same_y3 = same_y3, .same_y4 = same_y4};
+        .still_y3_next = still_y3_next, .still_y4_next = still_y4_next, .sound = sound, .same_y1 = same_y1,
+        .same_y2 = same_y2, .same_y3 = same_y3, .same_y4 = same_y4};
 }
 
 typedef struct {
@@ -220,7 +220,7 @@ typedef struct {
     float held;
     uint32_t unchanged;
     uint32_t suspect;
-    uint32_t out_of_use;
+    uint32_t value;
     bool above_gate;
     bool same;
     bool jumping;
@@ -281,7 +281,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_output_t maglev_5dof_monitor_output(const 
     uint32_t suspect = 1u;
     bool trusted = false;
     float held = expected;
-    uint32_t out_of_use = 0u;
+    uint32_t value = 0u;
     if (!jumping) {
         const uint32_t excluded = state->excluded;
         const bool usable = good && (excluded == 0u);
@@ -289,39 +289,38 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_output_t maglev_5dof_monitor_output(const 
         if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
                 fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
             suspect = stopped;
-            out_of_use = stopped;
+            value = stopped;
         } else {
             usual = sound;
             if (sound) {
                 suspect = 0u;
-                out_of_use = 0u;
+                value = 0u;
                 trusted = true;
                 held = accepted;
             } else {
                 suspect = excluded;
-                out_of_use = excluded;
+                value = excluded;
                 trusted = usable;
                 held = (usable) ? accepted : expected;
             }
         }
     }
     return (maglev_5dof_monitor_output_t){.before_next = before_next, .held = held, .unchanged = unchanged,
-        .suspect = suspect, .out_of_use = out_of_use, .above_gate = above_gate, .same = same, .jumping = jumping,
-        .usual = usual, .trusted = trusted, .far = far, .believed = believed};
+        .suspect = suspect, .value = value, .above_gate = above_gate, .same = same, .jumping = jumping, .usual = usual,
+        .trusted = trusted, .far = far, .believed = believed};
 }
 
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation */
-MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state_t *state, bool jumping,
-    uint32_t out_of_use, float accepted, uint32_t unchanged, bool above_gate, bool far, bool same, bool believed,
-    float before_next)
+MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state_t *state,
+    const maglev_5dof_monitor_output_t *monitor_output, float accepted)
 {
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
     static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
 
     state->code = accepted;
-    state->still = unchanged;
-    uint32_t frozen = out_of_use;
-    if (jumping) {
+    state->still = monitor_output->unchanged;
+    uint32_t frozen = monitor_output->value;
+    if (monitor_output->jumping) {
         frozen = state->excluded;
         const uint32_t jumps = state->jumps;
         if (excluded_from <= jumps) {
@@ -331,13 +330,13 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state
             state->jumps = jumps + 1u;
         }
     } else {
-        state->excluded = out_of_use;
+        state->excluded = monitor_output->value;
         state->jumps = 0u;
     }
     const uint32_t doubts = state->doubts;
     uint32_t doubts_if_not_far = doubts;
     uint32_t agreeing = doubts;
-    if (!same) {
+    if (!monitor_output->same) {
         doubts_if_not_far = doubted_changes;
         if (1u <= doubts) {
             agreeing = doubts - 1u;
@@ -345,12 +344,13 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state
             agreeing = 0u;
         }
     }
-    if (above_gate) {
-        state->doubts = (far) ? ((same || believed) ? doubts : doubted_changes) : doubts_if_not_far;
+    if (monitor_output->above_gate) {
+        state->doubts = (monitor_output->far) ?
+            ((monitor_output->same || monitor_output->believed) ? doubts : doubted_changes) : doubts_if_not_far;
     } else {
         state->doubts = agreeing;
     }
-    state->before = before_next;
+    state->before = monitor_output->before_next;
     return frozen;
 }
 
@@ -362,7 +362,7 @@ typedef struct {
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_2_state_t *state, uint32_t ready,
-    bool trusted, float held, uint32_t frozen, float a_before, uint32_t unchanged)
+    const maglev_5dof_monitor_output_t *monitor_output, uint32_t frozen, float a_before)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
@@ -380,15 +380,15 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     const float d_at_change = state->d_at_change;
     const float gained = state->gained;
     float d_next = 0.0f;
-    float estimate = held;
+    float estimate = monitor_output->held;
     float rate = 0.0f;
     float g_change = 0.0f;
     if (ready != 0u) {
         const float q = state->q;
-        const float nu = held - q;
+        const float nu = monitor_output->held - q;
         const float d = state->d;
         const float v = state->v;
-        if (trusted) {
+        if (monitor_output->trusted) {
             const float d_if_trusted = maglev_5dof_limit(d + (gamma * nu), largest_disturbance);
             d_next = d_if_trusted;
             rate = v + (beta * nu);
@@ -407,7 +407,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
     state->q = maglev_5dof_limit(estimate + (half_T * (rate + rate_ahead)), largest_position);
     state->v = maglev_5dof_limit(rate_ahead, largest_rate);
     state->d = d_next;
-    if (trusted && (1u <= unchanged)) {
+    if (monitor_output->trusted && (1u <= monitor_output->unchanged)) {
         state->gained = (gained_decay * gained) + (d_next - d_at_change);
     } else {
         state->gained = 0.0f;
@@ -449,11 +449,10 @@ typedef struct {
 } maglev_5dof_redundancy_output_2_t;
 
 /* redundancy: parity, innovations, frozen codes */
-MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_output_2(const maglev_5dof_redundancy_state_t
-    *state, float y1_accepted, float y2_accepted, float y3_accepted, float y4_accepted, float y1_expected,
-    float y2_expected, float y3_expected, float y4_expected, uint32_t still_y1_next, uint32_t still_y2_next,
-    uint32_t still_y3_next, uint32_t still_y4_next, bool sound, bool x_usual, bool z_usual, uint32_t complete_part,
-    uint32_t ready, bool same_y1, bool same_y2, bool same_y3, bool same_y4, maglev_5dof_diagnostics_t *diagnostics)
+MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t
+    maglev_5dof_redundancy_output_2(const maglev_5dof_redundancy_state_t *state, const maglev_5dof_input_t *accepted,
+    const maglev_5dof_gap_prediction_t *gap_prediction, const maglev_5dof_redundancy_output_t *redundancy_output,
+    bool x_usual, bool z_usual, uint32_t complete_part, uint32_t ready, maglev_5dof_diagnostics_t *diagnostics)
 {
     /* m; largest |r| without a fault: half a count and an offset of each sensor */
     static const float threshold_0 = 4.8e-05f;
@@ -474,20 +473,20 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
     static const float highest_y2_y4 = 0.0366f;                 /* m; end of its range */
     static const float lowest_y2_y4 = 0.0124f;                  /* m; end of its range */
 
-    const float residual_0_sum = y1_accepted - y2_accepted + y3_accepted;
-    const float residual_0 = residual_0_sum - y4_accepted;
+    const float residual_0_sum = accepted->y1 - accepted->y2 + accepted->y3;
+    const float residual_0 = residual_0_sum - accepted->y4;
     const float size = fabsf(residual_0);
     const bool agreement = size <= threshold_0;
-    const bool calm = sound && agreement && x_usual && z_usual;
+    const bool calm = redundancy_output->sound && agreement && x_usual && z_usual;
     bool suspect_y1 = false;
     bool suspect_y2 = false;
     bool suspect_y3 = false;
     bool suspect_y4 = false;
     bool gaps_sufficient_if_ready = true;
-    float y1_held = y1_accepted;
-    float y2_held = y2_accepted;
-    float y3_held = y3_accepted;
-    float y4_held = y4_accepted;
+    float y1_held = accepted->y1;
+    float y2_held = accepted->y2;
+    float y3_held = accepted->y3;
+    float y4_held = accepted->y4;
     bool whole = false;
     bool agrees = false;
     bool repeats_y1 = false;
@@ -533,36 +532,37 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
             } else {
                 const bool residual_0_positive = 0.0f < residual_0;
                 const float direction_y1_y3 = (residual_0_positive) ? 1.0f : -1.0f;
-                const float E_y1 = direction_y1_y3 * (y1_accepted - y1_expected);
+                const float E_y1 = direction_y1_y3 * (accepted->y1 - gap_prediction->y1_expected);
                 const float direction_y2_y4 = (residual_0_positive) ? -1.0f : 1.0f;
-                const float E_y2 = direction_y2_y4 * (y2_accepted - y2_expected);
-                const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
-                const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
-                const bool repeats_y1_2 = repeated_samples <= still_y1_next;
+                const float E_y2 = direction_y2_y4 * (accepted->y2 - gap_prediction->y2_expected);
+                const float E_y3 = direction_y1_y3 * (accepted->y3 - gap_prediction->y3_expected);
+                const float E_y4 = direction_y2_y4 * (accepted->y4 - gap_prediction->y4_expected);
+                const bool repeats_y1_2 = repeated_samples <= redundancy_output->still_y1_next;
                 const float least_E = candidate_part * size;
                 const bool candidate_y1 = repeats_y1_2 && (least_E < E_y1);
-                const bool repeats_y2_2 = repeated_samples <= still_y2_next;
+                const bool repeats_y2_2 = repeated_samples <= redundancy_output->still_y2_next;
                 const bool candidate_y2 = repeats_y2_2 && (least_E < E_y2);
-                const bool repeats_y3_2 = repeated_samples <= still_y3_next;
+                const bool repeats_y3_2 = repeated_samples <= redundancy_output->still_y3_next;
                 const bool candidate_y3 = repeats_y3_2 && (least_E < E_y3);
-                const bool repeats_y4_2 = repeated_samples <= still_y4_next;
+                const bool repeats_y4_2 = repeated_samples <= redundancy_output->still_y4_next;
                 const bool candidate_y4 = repeats_y4_2 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
                     maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
                 const bool by_first_rule = candidates != 0u;
-                const uint32_t moving = maglev_5dof_flag(still_y1_next < repeated_samples) +
-                    maglev_5dof_flag(still_y2_next < repeated_samples) + maglev_5dof_flag(still_y3_next <
-                    repeated_samples) + maglev_5dof_flag(still_y4_next < repeated_samples);
+                const uint32_t moving = maglev_5dof_flag(redundancy_output->still_y1_next < repeated_samples) +
+                    maglev_5dof_flag(redundancy_output->still_y2_next < repeated_samples) +
+                    maglev_5dof_flag(redundancy_output->still_y3_next < repeated_samples) +
+                    maglev_5dof_flag(redundancy_output->still_y4_next < repeated_samples);
                 uint32_t standing = 0u;
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
                 if (moving == all_but_one_of_4) {
-                    const bool stands_y1 = still_samples <= still_y1_next;
-                    const bool stands_y2 = still_samples <= still_y2_next;
-                    const bool stands_y3 = still_samples <= still_y3_next;
-                    const bool stands_y4 = still_samples <= still_y4_next;
+                    const bool stands_y1 = still_samples <= redundancy_output->still_y1_next;
+                    const bool stands_y2 = still_samples <= redundancy_output->still_y2_next;
+                    const bool stands_y3 = still_samples <= redundancy_output->still_y3_next;
+                    const bool stands_y4 = still_samples <= redundancy_output->still_y4_next;
                     standing = maglev_5dof_flag(stands_y1) + maglev_5dof_flag(stands_y2) + maglev_5dof_flag(stands_y3) +
                         maglev_5dof_flag(stands_y4);
                     const float by_second_rule = 1.0f - (by_first_rule ? 1.0f : 0.0f);
@@ -599,13 +599,13 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
                 suspect_y3 = (maglev_5dof_flag(isolated_y3_2) + waited_2) != 0u;
                 const bool isolated_y4_2 = least <= score_y4;
                 suspect_y4 = (maglev_5dof_flag(isolated_y4_2) + waited_2) != 0u;
-                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((isolated_y1_2) ? residual_0 : 0.0f),
+                y1_held = maglev_5dof_max(maglev_5dof_min(accepted->y1 - ((isolated_y1_2) ? residual_0 : 0.0f),
                     highest_y1_y3), lowest_y1_y3);
-                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((isolated_y2_2) ? residual_0 : 0.0f),
+                y2_held = maglev_5dof_max(maglev_5dof_min(accepted->y2 + ((isolated_y2_2) ? residual_0 : 0.0f),
                     highest_y2_y4), lowest_y2_y4);
-                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((isolated_y3_2) ? residual_0 : 0.0f),
+                y3_held = maglev_5dof_max(maglev_5dof_min(accepted->y3 - ((isolated_y3_2) ? residual_0 : 0.0f),
                     highest_y1_y3), lowest_y1_y3);
-                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((isolated_y4_2) ? residual_0 : 0.0f),
+                y4_held = maglev_5dof_max(maglev_5dof_min(accepted->y4 + ((isolated_y4_2) ? residual_0 : 0.0f),
                     highest_y2_y4), lowest_y2_y4);
                 isolated_y1 = isolated_y1_2;
                 isolated_y2 = isolated_y2_2;
@@ -621,10 +621,14 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
             decided = decided_2;
         } else {
             const uint32_t stuck_0 = state->stuck_0;
-            const bool readmitted_y1_2 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
-            const bool readmitted_y2_2 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !same_y2 && good_y2;
-            const bool readmitted_y3_2 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !same_y3 && good_y3;
-            const bool readmitted_y4_2 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !same_y4 && good_y4;
+            const bool readmitted_y1_2 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !redundancy_output->same_y1 &&
+                good_y1;
+            const bool readmitted_y2_2 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !redundancy_output->same_y2 &&
+                good_y2;
+            const bool readmitted_y3_2 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !redundancy_output->same_y3 &&
+                good_y3;
+            const bool readmitted_y4_2 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !redundancy_output->same_y4 &&
+                good_y4;
             const uint32_t doubted_2 = (readmitted_y1_2 || readmitted_y2_2 || readmitted_y3_2 || readmitted_y4_2) ? 1u :
                 undecided_0;
             suspect_y1 = (excluded_y1 + doubted_2) != 0u;
@@ -635,24 +639,24 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
                 : true) + maglev_5dof_flag((usable_y3) ? false : true) + maglev_5dof_flag((usable_y4) ? false : true);
             gaps_sufficient_if_ready = missing <= tolerated_missing;
             const bool enough_2 = missing <= 1u;
-            float predicted_y1 = y1_expected;
-            float predicted_y2 = y2_expected;
-            float predicted_y3 = y3_expected;
+            float predicted_y1 = gap_prediction->y1_expected;
+            float predicted_y2 = gap_prediction->y2_expected;
+            float predicted_y3 = gap_prediction->y3_expected;
             float predicted_y4 = residual_0_sum;
             if (enough_2) {
-                predicted_y1 = y1_accepted - residual_0;
-                predicted_y2 = y2_accepted + residual_0;
-                predicted_y3 = y3_accepted - residual_0;
+                predicted_y1 = accepted->y1 - residual_0;
+                predicted_y2 = accepted->y2 + residual_0;
+                predicted_y3 = accepted->y3 - residual_0;
             } else {
-                predicted_y4 = y4_expected;
+                predicted_y4 = gap_prediction->y4_expected;
             }
-            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : predicted_y1, highest_y1_y3),
+            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? accepted->y1 : predicted_y1, highest_y1_y3),
                 lowest_y1_y3);
-            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : predicted_y2, highest_y2_y4),
+            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? accepted->y2 : predicted_y2, highest_y2_y4),
                 lowest_y2_y4);
-            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : predicted_y3, highest_y1_y3),
+            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? accepted->y3 : predicted_y3, highest_y1_y3),
                 lowest_y1_y3);
-            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted_y4, highest_y2_y4),
+            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? accepted->y4 : predicted_y4, highest_y2_y4),
                 lowest_y2_y4);
             readmitted_y1 = readmitted_y1_2;
             readmitted_y2 = readmitted_y2_2;
@@ -663,6 +667,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
         }
         whole = whole_2;
     }
+    const bool gaps_sufficient = (ready != 0u) && gaps_sufficient_if_ready;
     if (diagnostics != NULL) {
         diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
         diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
@@ -672,16 +677,15 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t maglev_5dof_redundancy_outpu
         diagnostics->y2_held = y2_held;
         diagnostics->y3_held = y3_held;
         diagnostics->y4_held = y4_held;
-        diagnostics->gaps_sufficient = ((ready != 0u) && gaps_sufficient_if_ready) ? 1.0f : 0.0f;
+        diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
     }
-    return (maglev_5dof_redundancy_output_2_t){.y1_held = y1_held, .y2_held = y2_held, .y3_held = y3_held,
-        .y4_held = y4_held, .waited = waited, .doubted = doubted, .calm = calm, .suspect_y1 = suspect_y1,
-        .suspect_y2 = suspect_y2, .suspect_y3 = suspect_y3, .suspect_y4 = suspect_y4,
-        .gaps_sufficient = (ready != 0u) && gaps_sufficient_if_ready, .whole = whole, .agrees = agrees,
-        .repeats_y1 = repeats_y1, .repeats_y2 = repeats_y2, .repeats_y3 = repeats_y3, .repeats_y4 = repeats_y4,
-        .decided = decided, .isolated_y1 = isolated_y1, .readmitted_y1 = readmitted_y1, .readmitted_y2 = readmitted_y2,
-        .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4, .isolated_y2 = isolated_y2,
-        .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4, .enough = enough};
+    return (maglev_5dof_redundancy_output_2_t){.y1_held = y1_held, .y2_held = y2_held, .y3_held = y3_held, .y4_held =
+        y4_held, .waited = waited, .doubted = doubted, .calm = calm, .suspect_y1 = suspect_y1, .suspect_y2 = suspect_y2,
+        .suspect_y3 = suspect_y3, .suspect_y4 = suspect_y4, .gaps_sufficient = gaps_sufficient, .whole = whole,
+        .agrees = agrees, .repeats_y1 = repeats_y1, .repeats_y2 = repeats_y2, .repeats_y3 = repeats_y3,
+        .repeats_y4 = repeats_y4, .decided = decided, .isolated_y1 = isolated_y1, .readmitted_y1 = readmitted_y1,
+        .readmitted_y2 = readmitted_y2, .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4,
+        .isolated_y2 = isolated_y2, .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4, .enough = enough};
 }
 
 typedef struct {
@@ -691,22 +695,18 @@ typedef struct {
 
 /* redundancy: parity, innovations, frozen codes */
 MAGLEV_5DOF_LARGE maglev_5dof_redundancy_update_t maglev_5dof_redundancy_update(maglev_5dof_redundancy_state_t *state,
-    bool calm, bool z_trusted, bool x_trusted, bool whole, bool agrees, bool decided, uint32_t waited, bool enough,
-    uint32_t doubted, float y1_accepted, uint32_t still_y1_next, bool isolated_y1, bool readmitted_y1,
-    float y2_accepted, uint32_t still_y2_next, bool isolated_y2, bool readmitted_y2, float y3_accepted,
-    uint32_t still_y3_next, bool isolated_y3, bool readmitted_y3, float y4_accepted, uint32_t still_y4_next,
-    bool isolated_y4, bool readmitted_y4, bool repeats_y1, bool repeats_y2, bool repeats_y3, bool repeats_y4,
-    uint32_t z_suspect, uint32_t x_suspect, bool suspect_y4, bool suspect_y3, bool suspect_y2, bool suspect_y1,
-    maglev_5dof_diagnostics_t *diagnostics)
+    const maglev_5dof_redundancy_output_2_t *redundancy_output_2, const maglev_5dof_monitor_output_t *z_monitor_output,
+    const maglev_5dof_monitor_output_t *x_monitor_output, const maglev_5dof_input_t *accepted,
+    const maglev_5dof_redundancy_output_t *redundancy_output, maglev_5dof_diagnostics_t *diagnostics)
 {
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
     static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
 
-    state->code_y1 = y1_accepted;
-    state->still_y1 = still_y1_next;
+    state->code_y1 = accepted->y1;
+    state->still_y1 = redundancy_output->still_y1_next;
     bool regular = true;
     bool theta_measured = true;
-    if (calm) {
+    if (redundancy_output_2->calm) {
         state->contradictions_0 = 0u;
     } else {
         const uint32_t excluded_y1 = state->excluded_y1;
@@ -714,17 +714,17 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_update_t maglev_5dof_redundancy_update(
         const uint32_t excluded_y3 = state->excluded_y3;
         const uint32_t excluded_y4 = state->excluded_y4;
         bool determined;
-        if (whole) {
-            if (agrees) {
-                determined = decided;
+        if (redundancy_output_2->whole) {
+            if (redundancy_output_2->agrees) {
+                determined = redundancy_output_2->decided;
                 state->contradictions_0 = 0u;
             } else {
-                determined = waited == 0u;
+                determined = redundancy_output_2->waited == 0u;
                 const uint32_t contradictions_0 = state->contradictions_0;
-                bool left_out_now_y1 = isolated_y1;
-                bool left_out_now_y2 = isolated_y2;
-                bool left_out_now_y3 = isolated_y3;
-                bool left_out_now_y4 = isolated_y4;
+                bool left_out_now_y1 = redundancy_output_2->isolated_y1;
+                bool left_out_now_y2 = redundancy_output_2->isolated_y2;
+                bool left_out_now_y3 = redundancy_output_2->isolated_y3;
+                bool left_out_now_y4 = redundancy_output_2->isolated_y4;
                 if (contradictions_0 < excluded_from) {
                     left_out_now_y1 = false;
                     left_out_now_y2 = false;
@@ -739,33 +739,35 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_update_t maglev_5dof_redundancy_update(
                     state->contradictions_0 = contradictions_0 + 1u;
                 }
                 const uint32_t stuck_0 = state->stuck_0;
-                const uint32_t stuck_0_sum = maglev_5dof_flag(repeats_y1 && left_out_now_y1) +
-                    maglev_5dof_flag(repeats_y2 && left_out_now_y2) + maglev_5dof_flag(repeats_y3 && left_out_now_y3) +
-                    maglev_5dof_flag(repeats_y4 && left_out_now_y4) + stuck_0;
+                const uint32_t stuck_0_sum = maglev_5dof_flag(redundancy_output_2->repeats_y1 && left_out_now_y1) +
+                    maglev_5dof_flag(redundancy_output_2->repeats_y2 && left_out_now_y2) +
+                    maglev_5dof_flag(redundancy_output_2->repeats_y3 && left_out_now_y3) +
+                    maglev_5dof_flag(redundancy_output_2->repeats_y4 && left_out_now_y4) + stuck_0;
                 state->stuck_0 = maglev_5dof_flag(stuck_0_sum != 0u);
-                state->undecided_0 = waited;
+                state->undecided_0 = redundancy_output_2->waited;
             }
         } else {
-            determined = enough && (doubted == 0u);
-            state->excluded_y1 = maglev_5dof_flag((excluded_y1 != 0u) && !readmitted_y1);
-            state->excluded_y2 = maglev_5dof_flag((excluded_y2 != 0u) && !readmitted_y2);
-            state->excluded_y3 = maglev_5dof_flag((excluded_y3 != 0u) && !readmitted_y3);
-            state->excluded_y4 = maglev_5dof_flag((excluded_y4 != 0u) && !readmitted_y4);
+            determined = redundancy_output_2->enough && (redundancy_output_2->doubted == 0u);
+            state->excluded_y1 = maglev_5dof_flag((excluded_y1 != 0u) && !redundancy_output_2->readmitted_y1);
+            state->excluded_y2 = maglev_5dof_flag((excluded_y2 != 0u) && !redundancy_output_2->readmitted_y2);
+            state->excluded_y3 = maglev_5dof_flag((excluded_y3 != 0u) && !redundancy_output_2->readmitted_y3);
+            state->excluded_y4 = maglev_5dof_flag((excluded_y4 != 0u) && !redundancy_output_2->readmitted_y4);
             state->contradictions_0 = 0u;
-            state->undecided_0 = doubted;
+            state->undecided_0 = redundancy_output_2->doubted;
         }
-        regular = z_trusted && x_trusted && determined;
+        regular = z_monitor_output->trusted && x_monitor_output->trusted && determined;
         theta_measured = determined;
-        if ((z_suspect != 0u) || (x_suspect != 0u) || suspect_y4 || suspect_y3 || suspect_y2 || suspect_y1) {
+        if ((z_monitor_output->suspect != 0u) || (x_monitor_output->suspect != 0u) || redundancy_output_2->suspect_y4 ||
+                redundancy_output_2->suspect_y3 || redundancy_output_2->suspect_y2 || redundancy_output_2->suspect_y1) {
             state->degraded = 1u;
         }
     }
-    state->code_y2 = y2_accepted;
-    state->still_y2 = still_y2_next;
-    state->code_y3 = y3_accepted;
-    state->still_y3 = still_y3_next;
-    state->code_y4 = y4_accepted;
-    state->still_y4 = still_y4_next;
+    state->code_y2 = accepted->y2;
+    state->still_y2 = redundancy_output->still_y2_next;
+    state->code_y3 = accepted->y3;
+    state->still_y3 = redundancy_output->still_y3_next;
+    state->code_y4 = accepted->y4;
+    state->still_y4 = redundancy_output->still_y4_next;
     if (diagnostics != NULL) {
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
@@ -809,18 +811,18 @@ typedef struct {
 } maglev_5dof_kinematics_output_t;
 
 /* kinematics: pose from the gaps, F(5) */
-MAGLEV_5DOF_INLINE maglev_5dof_kinematics_output_t maglev_5dof_kinematics_output(float y3_held, float y1_held,
-    float y2_held, float y4_held, maglev_5dof_diagnostics_t *diagnostics)
+MAGLEV_5DOF_INLINE maglev_5dof_kinematics_output_t maglev_5dof_kinematics_output(const maglev_5dof_redundancy_output_2_t
+    *redundancy_output_2, maglev_5dof_diagnostics_t *diagnostics)
 {
-    const float y3_held_minus_y1_held = y3_held - y1_held;
-    const float y2_held_minus_y4_held = y2_held - y4_held;
+    const float y3_held_minus_y1_held = redundancy_output_2->y3_held - redundancy_output_2->y1_held;
+    const float phi = y3_held_minus_y1_held * phi_polynomial(y3_held_minus_y1_held * y3_held_minus_y1_held);
+    const float y2_held_minus_y4_held = redundancy_output_2->y2_held - redundancy_output_2->y4_held;
+    const float theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held);
     if (diagnostics != NULL) {
-        diagnostics->phi = y3_held_minus_y1_held * phi_polynomial(y3_held_minus_y1_held * y3_held_minus_y1_held);
-        diagnostics->theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held);
+        diagnostics->phi = phi;
+        diagnostics->theta = theta;
     }
-    return (maglev_5dof_kinematics_output_t){.phi = y3_held_minus_y1_held *
-        phi_polynomial(y3_held_minus_y1_held * y3_held_minus_y1_held),
-        .theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held)};
+    return (maglev_5dof_kinematics_output_t){.phi = phi, .theta = theta};
 }
 
 /* observer_phi: predictive observer, alpha-beta-gamma */
@@ -902,13 +904,15 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_theta_t maglev_5dof_observer_theta(magle
 }
 
 /* kinematics: pose from the gaps, F(5) */
-MAGLEV_5DOF_INLINE float maglev_5dof_kinematics_update(float y1_held, float y2_held, float y3_held, float y4_held,
+MAGLEV_5DOF_INLINE float maglev_5dof_kinematics_update(const maglev_5dof_redundancy_output_2_t *redundancy_output_2,
     maglev_5dof_diagnostics_t *diagnostics)
 {
+    const float y_sum = redundancy_output_2->y1_held + redundancy_output_2->y2_held + redundancy_output_2->y3_held +
+        redundancy_output_2->y4_held;
     if (diagnostics != NULL) {
-        diagnostics->y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
+        diagnostics->y = 0.25f * y_sum;
     }
-    return 0.25f * (y1_held + y2_held + y3_held + y4_held);
+    return 0.25f * y_sum;
 }
 
 typedef struct {
@@ -963,19 +967,20 @@ typedef struct {
 } maglev_5dof_errors_t;
 
 /* errors: tracking errors, F(14) */
-MAGLEV_5DOF_INLINE maglev_5dof_errors_t maglev_5dof_errors(float y, float y_ref_held, float x_held, float x_ref_held,
-    float z_held, float z_ref_held, float phi, float phi_ref_held, float theta, float theta_ref_held,
-    maglev_5dof_diagnostics_t *diagnostics)
+MAGLEV_5DOF_INLINE maglev_5dof_errors_t maglev_5dof_errors(float y, const maglev_5dof_input_t *accepted, float x_held,
+    float z_held, const maglev_5dof_kinematics_output_t *kinematics_output, maglev_5dof_diagnostics_t *diagnostics)
 {
+    const float e_phi = kinematics_output->phi - accepted->phi_ref;
+    const float e_theta = kinematics_output->theta - accepted->theta_ref;
     if (diagnostics != NULL) {
-        diagnostics->e_y = y - y_ref_held;
-        diagnostics->e_x = x_held - x_ref_held;
-        diagnostics->e_z = z_held - z_ref_held;
-        diagnostics->e_phi = phi - phi_ref_held;
-        diagnostics->e_theta = theta - theta_ref_held;
+        diagnostics->e_y = y - accepted->y_ref;
+        diagnostics->e_x = x_held - accepted->x_ref;
+        diagnostics->e_z = z_held - accepted->z_ref;
+        diagnostics->e_phi = e_phi;
+        diagnostics->e_theta = e_theta;
     }
-    return (maglev_5dof_errors_t){.e_y = y - y_ref_held, .e_x = x_held - x_ref_held, .e_z = z_held - z_ref_held,
-        .e_phi = phi - phi_ref_held, .e_theta = theta - theta_ref_held};
+    return (maglev_5dof_errors_t){.e_y = y - accepted->y_ref, .e_x = x_held - accepted->x_ref, .e_z = z_held -
+        accepted->z_ref, .e_phi = e_phi, .e_theta = e_theta};
 }
 
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
@@ -1097,11 +1102,11 @@ typedef struct {
 
 /* landing: ramps and state feedback
  * No integrator takes part, so nothing winds up: the disturbance of the observer does its work. */
-MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_state_t *state, bool regular,
-    uint32_t ready, float phi, float w_phi_tracking, bool theta_measured, float theta_rate_if_ready,
-    float theta_estimate, float theta_disturbance, float w_theta_tracking, float y_estimate, float y_rate,
-    float y_disturbance, float w_y_tracking, float x_estimate, float x_rate, float x_disturbance, float w_x_tracking,
-    float z_estimate, float z_rate, float z_disturbance, float w_z_tracking, maglev_5dof_diagnostics_t *diagnostics)
+MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_state_t *state,
+    const maglev_5dof_redundancy_update_t *redundancy_update, uint32_t ready, float phi, float w_phi_tracking, const
+    maglev_5dof_observer_theta_t *observer_theta, float w_theta_tracking, const maglev_5dof_observer_y_t *observer_y,
+    float w_y_tracking, const maglev_5dof_observer_t *observer_x, float w_x_tracking,
+    const maglev_5dof_observer_t *observer_z, float w_z_tracking, maglev_5dof_diagnostics_t *diagnostics)
 {
     static const uint32_t good_per_bad = 4u;                    /* 1; good samples that make up for a bad one */
     static const float spring_phi = 11250.0f;                   /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
@@ -1127,7 +1132,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_
     static const float acceleration_step = 0.004f;              /* m/s; T times 4 m/s^2 of the ramp; of x, z */
 
     const uint32_t left = state->left;
-    const bool waiting = !regular && (ready != 0u);
+    const bool waiting = !redundancy_update->regular && (ready != 0u);
     const bool left_at_most_4 = left <= good_per_bad;
     if (waiting) {
         if (!left_at_most_4) {
@@ -1151,18 +1156,19 @@ MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_
     float w_x_unprobed = w_x_tracking;
     float w_z_unprobed = w_z_tracking;
     if (landing_2 != 0u) {
-        const float levelling_pole_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
+        const float levelling_pole_theta = (redundancy_update->theta_measured) ? pole_theta : predicted_pole_theta;
         float damping_theta = 0.0f;
         if (ready != 0u) {
-            damping_theta = 2.0f * (levelling_pole_theta * theta_rate_if_ready);
+            damping_theta = 2.0f * (levelling_pole_theta * observer_theta->theta_rate_if_ready);
         }
-        w_theta = -((levelling_pole_theta * levelling_pole_theta * theta_estimate) + damping_theta + theta_disturbance);
-        const float y_estimate_min_ramp_end = maglev_5dof_min(y_estimate, ramp_end);
+        w_theta = -((levelling_pole_theta * levelling_pole_theta * observer_theta->theta_estimate) + damping_theta +
+            observer_theta->theta_disturbance);
+        const float y_estimate_min_ramp_end = maglev_5dof_min(observer_y->y_estimate, ramp_end);
         float ramp_y = y_estimate_min_ramp_end;
-        float ramp_rate_y = y_rate;
-        float ramp_x = x_estimate;
+        float ramp_rate_y = observer_y->y_rate;
+        float ramp_x = observer_x->estimate;
         float ramp_rate_x;
-        float ramp_z = z_estimate;
+        float ramp_z = observer_z->estimate;
         float ramp_rate_z;
         if (landing != 0u) {
             ramp_y = state->r_y;
@@ -1172,17 +1178,17 @@ MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_
             ramp_z = state->r_z;
             ramp_rate_z = state->dr_z;
         } else {
-            ramp_rate_x = maglev_5dof_limit(x_rate, ramp_rate_bound);
-            ramp_rate_z = maglev_5dof_limit(z_rate, ramp_rate_bound);
+            ramp_rate_x = maglev_5dof_limit(observer_x->rate, ramp_rate_bound);
+            ramp_rate_z = maglev_5dof_limit(observer_z->rate, ramp_rate_bound);
         }
-        w_x_unprobed = (stiffness * (ramp_x - x_estimate)) + (damping * (ramp_rate_x - x_rate)) +
-            (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance);
-        w_z_unprobed = (stiffness * (ramp_z - z_estimate)) + (damping * (ramp_rate_z - z_rate)) +
-            (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - z_disturbance);
+        w_x_unprobed = (stiffness * (ramp_x - observer_x->estimate)) + (damping * (ramp_rate_x - observer_x->rate)) +
+            (maglev_5dof_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x->disturbance);
+        w_z_unprobed = (stiffness * (ramp_z - observer_z->estimate)) + (damping * (ramp_rate_z - observer_z->rate)) +
+            (maglev_5dof_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z->disturbance);
         const float ramp_target_y = maglev_5dof_max(maglev_5dof_min(touch_speed + (approach * (stop - ramp_y)),
             largest_speed), press_speed);
-        w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
-            (maglev_5dof_limit(inverse_T * (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance);
+        w_y = (stiffness_y * (ramp_y - observer_y->y_estimate)) + (damping_y * (ramp_rate_y - observer_y->y_rate)) +
+            (maglev_5dof_limit(inverse_T * (ramp_target_y - ramp_rate_y), acceleration_y) - observer_y->y_disturbance);
         const float ramp_rate_next_y = maglev_5dof_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
         state->dr_y = ramp_rate_next_y;
         const float ramp_rate_next_x = maglev_5dof_slew(ramp_rate_x, 0.0f, acceleration_step);
@@ -1195,8 +1201,8 @@ MAGLEV_5DOF_LARGE maglev_5dof_landing_t maglev_5dof_landing(maglev_5dof_landing_
             state->r_z = maglev_5dof_limit(ramp_z + (half_T * (ramp_rate_z + ramp_rate_next_z)), 0.5f);
         } else {
             state->r_y = y_estimate_min_ramp_end;
-            state->r_x = x_estimate;
-            state->r_z = z_estimate;
+            state->r_x = observer_x->estimate;
+            state->r_z = observer_z->estimate;
         }
         state->dr_z = ramp_rate_next_z;
         w_phi = -spring_phi * phi;
@@ -1270,10 +1276,10 @@ typedef struct {
 } maglev_5dof_decoupling_t;
 
 /* decoupling: direct and thrust currents, F(8), F(12) */
-MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(float y1_held, float u_z_before, float i_d1_before,
-    float y2_held, float u_x_before, float i_d2_before, float y3_held, float i_d3_before, float y4_held,
-    float i_d4_before, float w_y, float w_phi, float phi, float w_theta, float theta, float w_x, float w_z,
-    maglev_5dof_diagnostics_t *diagnostics)
+MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(const maglev_5dof_redundancy_output_2_t
+    *redundancy_output_2, float u_z_before, float i_d1_before, float u_x_before, float i_d2_before, float i_d3_before,
+    float i_d4_before, const maglev_5dof_landing_t *landing, const maglev_5dof_kinematics_output_t *kinematics_output,
+    float w_x, float w_z, maglev_5dof_diagnostics_t *diagnostics)
 {
     static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
     static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
@@ -1293,7 +1299,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(float y1_held,
     static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
     static const float M_z = 8.6f;                              /* kg; Table I */
 
-    const float thrust_per_ampere_1_quotient = slot_pull / (y1_held + gap_offset);
+    const float thrust_per_ampere_1_quotient = slot_pull / (redundancy_output_2->y1_held + gap_offset);
     const float thrust_per_ampere_1_argument = thrust_per_ampere_1_quotient - 4.196167e-05f;
     const float thrust_per_ampere_1 = thrust_per_ampere_polynomial(thrust_per_ampere_1_argument);
     const float half_a_over_h2_1 = half_a_over_h2_polynomial(thrust_per_ampere_1_argument);
@@ -1303,7 +1309,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(float y1_held,
     const float u_z_before_squared = u_z_before * u_z_before;
     const float half_load_1 = half_a_1 + (half_c_1 * (u_z_before_squared + (i_d1_before * i_d1_before)));
     const float inverse_b_1 = 1.0f / sqrtf(thrust_per_ampere_1_squared + (discriminant_factor * (half_a_1 * half_c_1)));
-    const float thrust_per_ampere_2_quotient = slot_pull / (y2_held + gap_offset);
+    const float thrust_per_ampere_2_quotient = slot_pull / (redundancy_output_2->y2_held + gap_offset);
     const float thrust_per_ampere_2_argument = 16384.0f * (thrust_per_ampere_2_quotient - 3.4332275e-05f);
     const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_argument);
     const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_argument);
@@ -1313,7 +1319,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(float y1_held,
     const float u_x_before_squared = u_x_before * u_x_before;
     const float half_load_2 = half_a_2 + (half_c_2 * (u_x_before_squared + (i_d2_before * i_d2_before)));
     const float inverse_b_2 = 1.0f / sqrtf(thrust_per_ampere_2_squared + (discriminant_factor * (half_a_2 * half_c_2)));
-    const float thrust_per_ampere_3_quotient = slot_pull / (y3_held + gap_offset);
+    const float thrust_per_ampere_3_quotient = slot_pull / (redundancy_output_2->y3_held + gap_offset);
     const float thrust_per_ampere_3_argument = thrust_per_ampere_3_quotient - 4.196167e-05f;
     const float thrust_per_ampere_3 = thrust_per_ampere_polynomial(thrust_per_ampere_3_argument);
     const float h_z = thrust_per_ampere_1 + thrust_per_ampere_3;
@@ -1323,7 +1329,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(float y1_held,
     const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + thrust_per_ampere_3_quotient);
     const float half_load_3 = half_a_3 + (half_c_3 * (u_z_before_squared + (i_d3_before * i_d3_before)));
     const float inverse_b_3 = 1.0f / sqrtf(thrust_per_ampere_3_squared + (discriminant_factor * (half_a_3 * half_c_3)));
-    const float thrust_per_ampere_4_quotient = slot_pull / (y4_held + gap_offset);
+    const float thrust_per_ampere_4_quotient = slot_pull / (redundancy_output_2->y4_held + gap_offset);
     const float thrust_per_ampere_4_argument = 16384.0f * (thrust_per_ampere_4_quotient - 3.4332275e-05f);
     const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_argument);
     const float h_x = thrust_per_ampere_2 + thrust_per_ampere_4;
@@ -1333,10 +1339,11 @@ MAGLEV_5DOF_LARGE maglev_5dof_decoupling_t maglev_5dof_decoupling(float y1_held,
     const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_quotient);
     const float half_load_4 = half_a_4 + (half_c_4 * (u_x_before_squared + (i_d4_before * i_d4_before)));
     const float inverse_b_4 = 1.0f / sqrtf(thrust_per_ampere_4_squared + (discriminant_factor * (half_a_4 * half_c_4)));
-    const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
-    const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) + (half_load_3 - half_load_1);
-    const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) +
-        (half_load_2 - half_load_4);
+    const float half_force = (half_M_y * (landing->w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
+    const float half_force_phi = (half_I_over_r * (landing->w_phi + (compensated_k_s_phi * kinematics_output->phi))) +
+        (half_load_3 - half_load_1);
+    const float half_force_theta = (half_I_over_r * (landing->w_theta +
+        (compensated_k_s_theta * kinematics_output->theta))) + (half_load_2 - half_load_4);
     const float inverse_b_2_plus_inverse_b_4 = inverse_b_2 + inverse_b_4;
     const float half_force_1_3_numerator = (inverse_b_2_plus_inverse_b_4 * half_force) +
         ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
@@ -1414,8 +1421,7 @@ typedef struct {
  * The limit of |i_d| + |i_q| needs no square root and holds from the first sample on: there i_d may be cut at once,
  * at most from 3.5 A to 1.45 A beside 3.5 A of thrust. */
 MAGLEV_5DOF_INLINE maglev_5dof_handover_t maglev_5dof_handover(maglev_5dof_handover_state_t *state, bool lost_x,
-    bool lost_z, float y_expected, bool x_trusted, bool z_trusted, float i_d1_balanced, float i_d3_balanced,
-    float u_x_computed, float i_d2_balanced, float i_d4_balanced, float u_z_computed)
+    bool lost_z, float y_expected, bool x_trusted, bool z_trusted, const maglev_5dof_decoupling_t *decoupling)
 {
     static const float held_by_spring = 0.022f;                 /* m; at smaller gaps theta needs the motors along X */
     static const float fade_step = 0.04f; /* 1; 1 / 25: a handover, and a fade, takes 25 samples */
@@ -1423,10 +1429,10 @@ MAGLEV_5DOF_INLINE maglev_5dof_handover_t maglev_5dof_handover(maglev_5dof_hando
     static const float current_limit = 4.9497476f;
 
     const float transfer = state->transfer;
-    float i_d1_computed = i_d1_balanced;
-    float i_d2_computed = i_d2_balanced;
-    float i_d3_computed = i_d3_balanced;
-    float i_d4_computed = i_d4_balanced;
+    float i_d1_computed = decoupling->i_d1_balanced;
+    float i_d2_computed = decoupling->i_d2_balanced;
+    float i_d3_computed = decoupling->i_d3_balanced;
+    float i_d4_computed = decoupling->i_d4_balanced;
     if (lost_x || lost_z || (0.0f < (transfer * transfer))) {
         const float target = (lost_x && (lost_z || (y_expected < held_by_spring))) ? transfer :
             ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f);
@@ -1436,16 +1442,16 @@ MAGLEV_5DOF_INLINE maglev_5dof_handover_t maglev_5dof_handover(maglev_5dof_hando
         const float part = fabsf(faded_transfer);
         const float part_x = (of_x) ? part : 0.0f;
         const float part_z = (of_x) ? 0.0f : part;
-        const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-        const float room_x = current_limit - fabsf(u_x_computed);
+        const float handed_x = 0.5f * (part_z * (decoupling->i_d1_balanced + decoupling->i_d3_balanced));
+        const float room_x = current_limit - fabsf(decoupling->u_x_computed);
         const float remainder_x = 1.0f - part_x;
-        i_d2_computed = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x, room_x);
-        i_d4_computed = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x, room_x);
-        const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
-        const float room_z = current_limit - fabsf(u_z_computed);
+        i_d2_computed = remainder_x * maglev_5dof_limit(decoupling->i_d2_balanced + handed_x, room_x);
+        i_d4_computed = remainder_x * maglev_5dof_limit(decoupling->i_d4_balanced + handed_x, room_x);
+        const float handed_z = 0.5f * (part_x * (decoupling->i_d2_balanced + decoupling->i_d4_balanced));
+        const float room_z = current_limit - fabsf(decoupling->u_z_computed);
         const float remainder_z = 1.0f - part_z;
-        i_d1_computed = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_z);
-        i_d3_computed = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_z);
+        i_d1_computed = remainder_z * maglev_5dof_limit(decoupling->i_d1_balanced + handed_z, room_z);
+        i_d3_computed = remainder_z * maglev_5dof_limit(decoupling->i_d3_balanced + handed_z, room_z);
     }
     return (maglev_5dof_handover_t){.i_d1_computed = i_d1_computed, .i_d2_computed = i_d2_computed,
         .i_d3_computed = i_d3_computed, .i_d4_computed = i_d4_computed};
@@ -1457,18 +1463,19 @@ typedef struct {
 } maglev_5dof_accelerations_t;
 
 /* accelerations: F(6) */
-MAGLEV_5DOF_INLINE maglev_5dof_accelerations_t maglev_5dof_accelerations(float u_x_computed, float h_x,
-    float u_z_computed, float h_z, maglev_5dof_diagnostics_t *diagnostics)
+MAGLEV_5DOF_INLINE maglev_5dof_accelerations_t maglev_5dof_accelerations(const maglev_5dof_decoupling_t *decoupling,
+    maglev_5dof_diagnostics_t *diagnostics)
 {
     static const float inverse_M_x = 0.094339624f;              /* 1/kg; 1 / M_x, M_x = 10.6 kg */
     static const float inverse_M_z = 0.11627907f;               /* 1/kg; 1 / M_z, M_z = 8.6 kg */
 
+    const float a_x = -inverse_M_x * (decoupling->u_x_computed * decoupling->h_x);
+    const float a_z = -inverse_M_z * (decoupling->u_z_computed * decoupling->h_z);
     if (diagnostics != NULL) {
-        diagnostics->a_x = -inverse_M_x * (u_x_computed * h_x);
-        diagnostics->a_z = -inverse_M_z * (u_z_computed * h_z);
+        diagnostics->a_x = a_x;
+        diagnostics->a_z = a_z;
     }
-    return (maglev_5dof_accelerations_t){.a_x = -inverse_M_x * (u_x_computed * h_x),
-        .a_z = -inverse_M_z * (u_z_computed * h_z)};
+    return (maglev_5dof_accelerations_t){.a_x = a_x, .a_z = a_z};
 }
 
 /* Each input in its range, else what is held or refused, with its bit of the fault word. */
@@ -1490,6 +1497,158 @@ MAGLEV_5DOF_INLINE maglev_5dof_input_t maglev_5dof_guard_inputs(maglev_5dof_stat
     accepted.theta_ref = maglev_5dof_hold_within(in->theta_ref, 0.013949622f, &state->guard.last_theta_ref, 0x00000400u,
         faults);
     return accepted;
+}
+
+static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
+    .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
+static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
+    .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
+static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
+    .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
+
+/* what the step does once it is latched */
+MAGLEV_5DOF_INLINE uint32_t maglev_5dof_latched(maglev_5dof_state_t *state, bool landed, float y,
+    float safe_output_last_i_d1, float safe_output_last_i_d2, float safe_output_last_i_d3, float safe_output_last_i_d4,
+    float safe_output_last_u_x, float safe_output_last_u_z, uint32_t faults_before_2, maglev_5dof_output_t *out,
+    maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const float rests_beyond = 0.0305f; /* m; beyond it, once landed, the body lies on the stop */
+
+    uint32_t fault_word;
+
+    const bool rests = landed && (rests_beyond <= y);
+    const maglev_5dof_safe_output_latched_t safe_output_latched = maglev_5dof_safe_output_latched(rests,
+        safe_output_last_i_d1, safe_output_last_i_d2, safe_output_last_i_d3, safe_output_last_i_d4,
+        safe_output_last_u_x, safe_output_last_u_z);
+    state->safe_output_last_i_d1 = safe_output_latched.last_i_d1_next;
+    out->i_d1 = safe_output_latched.last_i_d1_next;
+    state->safe_output_last_i_d2 = safe_output_latched.last_i_d2_next;
+    out->i_d2 = safe_output_latched.last_i_d2_next;
+    state->safe_output_last_i_d3 = safe_output_latched.last_i_d3_next;
+    out->i_d3 = safe_output_latched.last_i_d3_next;
+    state->safe_output_last_i_d4 = safe_output_latched.last_i_d4_next;
+    out->i_d4 = safe_output_latched.last_i_d4_next;
+    state->safe_output_last_u_x = safe_output_latched.last_u_x_next;
+    out->i_q2 = safe_output_latched.last_u_x_next;
+    out->i_q4 = safe_output_latched.last_u_x_next;
+    state->safe_output_last_u_z = safe_output_latched.last_u_z_next;
+    out->i_q1 = safe_output_latched.last_u_z_next;
+    out->i_q3 = safe_output_latched.last_u_z_next;
+    state->guard.latched = 1u;
+    fault_word = faults_before_2 | 0x80000000u;
+    if (diagnostics != NULL) {
+        diagnostics->rests = rests ? 1.0f : 0.0f;
+    }
+    return fault_word;
+}
+
+/* the law: what the step computes unless it is latched */
+MAGLEV_5DOF_INLINE uint32_t maglev_5dof_law(maglev_5dof_state_t *state, const maglev_5dof_input_t *accepted,
+    uint32_t guard_ready, const maglev_5dof_redundancy_output_t *redundancy_output,
+    const maglev_5dof_monitor_output_t *x_monitor_output, float observer_y_q,
+    const maglev_5dof_monitor_output_t *z_monitor_output, const maglev_5dof_redundancy_output_2_t *redundancy_output_2,
+    float y, float safe_output_last_i_d1, float safe_output_last_i_d2, float safe_output_last_i_d3,
+    float safe_output_last_i_d4, float safe_output_last_u_x, float safe_output_last_u_z, bool lost_x, bool lost_z,
+    uint32_t faults_before_2, maglev_5dof_output_t *out, maglev_5dof_diagnostics_t *diagnostics)
+{
+    static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
+
+    uint32_t fault_word;
+
+    const uint32_t x_frozen = maglev_5dof_monitor_update(&state->x_monitor, x_monitor_output, accepted->x);
+    const uint32_t z_frozen = maglev_5dof_monitor_update(&state->z_monitor, z_monitor_output, accepted->z);
+    const maglev_5dof_redundancy_update_t redundancy_update = maglev_5dof_redundancy_update(&state->redundancy,
+        redundancy_output_2, z_monitor_output, x_monitor_output, accepted, redundancy_output, diagnostics);
+
+    /* sufficiency: it can land, is probed */
+    const bool free = redundancy_update.regular && (observer_y_q < lifted);
+    const maglev_5dof_kinematics_output_t kinematics_output = maglev_5dof_kinematics_output(redundancy_output_2,
+        diagnostics);
+    const maglev_5dof_errors_t errors = maglev_5dof_errors(y, accepted, x_monitor_output->held, z_monitor_output->held,
+        &kinematics_output, diagnostics);
+    const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, errors.e_y);
+    const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, errors.e_y,
+        filter_y_r_next);
+    const float filter_x_r_next = maglev_5dof_filter(&state->filter_x, guard_ready, errors.e_x);
+    const float filter_z_r_next = maglev_5dof_filter(&state->filter_z, guard_ready, errors.e_z);
+    const float filter_phi_r_next = maglev_5dof_filter(&state->filter_phi, guard_ready, errors.e_phi);
+    const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, errors.e_phi,
+        filter_phi_r_next);
+    const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, errors.e_theta);
+    const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator,
+        errors.e_theta, filter_theta_r_next);
+    const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, errors.e_x, filter_x_r_next);
+    const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, errors.e_z, filter_z_r_next);
+    const maglev_5dof_observer_theta_t observer_theta = maglev_5dof_observer_theta(&state->observer_theta, guard_ready,
+        kinematics_output.theta, state->delay_w_theta_last, diagnostics);
+    const maglev_5dof_observer_y_t observer_y = maglev_5dof_observer_y(&state->observer_y, guard_ready, y,
+        state->delay_w_y_last, diagnostics);
+    const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_monitor_output,
+        x_frozen, state->delay_a_x_last);
+    const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_monitor_output,
+        z_frozen, state->delay_a_z_last);
+    const maglev_5dof_landing_t landing = maglev_5dof_landing(&state->landing, &redundancy_update, guard_ready,
+        kinematics_output.phi, w_phi_tracking, &observer_theta, w_theta_tracking, &observer_y, w_y_tracking,
+        &observer_x, w_x_tracking, &observer_z, w_z_tracking, diagnostics);
+    const float w_x = maglev_5dof_probe(&state->probe_x, x_monitor_output->unchanged, landing.w_x_unprobed, free,
+        errors.e_x);
+    const float w_z = maglev_5dof_probe(&state->probe_z, z_monitor_output->unchanged, landing.w_z_unprobed, free,
+        errors.e_z);
+    const maglev_5dof_decoupling_t decoupling = maglev_5dof_decoupling(redundancy_output_2, safe_output_last_u_z,
+        safe_output_last_i_d1, safe_output_last_u_x, safe_output_last_i_d2, safe_output_last_i_d3,
+        safe_output_last_i_d4, &landing, &kinematics_output, w_x, w_z, diagnostics);
+    const maglev_5dof_handover_t handover = maglev_5dof_handover(&state->handover, lost_x, lost_z, observer_y_q,
+        x_monitor_output->trusted, z_monitor_output->trusted, &decoupling);
+    const maglev_5dof_accelerations_t accelerations = maglev_5dof_accelerations(&decoupling, diagnostics);
+    maglev_5dof_observer_phi(&state->observer_phi, guard_ready, kinematics_output.phi, state->delay_w_phi_last,
+        diagnostics);
+    state->safe_output_last_i_d1 = handover.i_d1_computed;
+    out->i_d1 = handover.i_d1_computed;
+    state->safe_output_last_i_d2 = handover.i_d2_computed;
+    out->i_d2 = handover.i_d2_computed;
+    state->safe_output_last_i_d3 = handover.i_d3_computed;
+    out->i_d3 = handover.i_d3_computed;
+    state->safe_output_last_i_d4 = handover.i_d4_computed;
+    out->i_d4 = handover.i_d4_computed;
+    state->safe_output_last_u_x = decoupling.u_x_computed;
+    out->i_q2 = decoupling.u_x_computed;
+    out->i_q4 = decoupling.u_x_computed;
+    state->safe_output_last_u_z = decoupling.u_z_computed;
+    out->i_q1 = decoupling.u_z_computed;
+    out->i_q3 = decoupling.u_z_computed;
+    state->delay_w_y_last = landing.w_y;
+    state->delay_a_x_last = accelerations.a_x;
+    state->delay_a_z_last = accelerations.a_z;
+    state->delay_w_phi_last = landing.w_phi;
+    state->delay_w_theta_last = landing.w_theta;
+    if (landing.landing_next != 0u) {
+        fault_word = faults_before_2 | 0x40000000u;
+    } else {
+        fault_word = faults_before_2;
+    }
+    maglev_5dof_regulator_update(&state->regulator_x, errors.e_x, decoupling.excess_x);
+    maglev_5dof_regulator_update(&state->regulator_z, errors.e_z, decoupling.excess_z);
+    if (diagnostics != NULL) {
+        diagnostics->x_unchanged = (float)x_monitor_output->unchanged;
+        diagnostics->x_frozen = (float)x_frozen;
+        diagnostics->z_unchanged = (float)z_monitor_output->unchanged;
+        diagnostics->z_frozen = (float)z_frozen;
+        diagnostics->free = free ? 1.0f : 0.0f;
+        diagnostics->w_y_tracking = w_y_tracking;
+        diagnostics->w_x_tracking = w_x_tracking;
+        diagnostics->w_z_tracking = w_z_tracking;
+        diagnostics->w_phi_tracking = w_phi_tracking;
+        diagnostics->w_theta_tracking = w_theta_tracking;
+        diagnostics->x_estimate = observer_x.estimate;
+        diagnostics->x_rate = observer_x.rate;
+        diagnostics->x_disturbance = observer_x.disturbance;
+        diagnostics->z_estimate = observer_z.estimate;
+        diagnostics->z_rate = observer_z.rate;
+        diagnostics->z_disturbance = observer_z.disturbance;
+        diagnostics->w_x = w_x;
+        diagnostics->w_z = w_z;
+    }
+    return fault_word;
 }
 
 void maglev_5dof_init(maglev_5dof_state_t *state)
@@ -1519,14 +1678,6 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
 {
     static const uint32_t most_attempts = 5u;                   /* 1; pairs without an answer: the sensor is frozen */
     static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
-    static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
-    static const float rests_beyond = 0.0305f; /* m; beyond it, once landed, the body lies on the stop */
-    static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
-        .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
-    static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
-        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
-    static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
-        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
 
     if (diagnostics != NULL) {
         diagnostics->samples += 1u;
@@ -1541,7 +1692,7 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
     const maglev_5dof_guard_output_t guard_output = maglev_5dof_guard_output(&state->guard, guard_latched,
         missed_calls);
     const maglev_5dof_redundancy_output_t redundancy_output = maglev_5dof_redundancy_output(&state->redundancy,
-        guard_ready, complete, accepted.y1, accepted.y2, accepted.y3, accepted.y4, diagnostics);
+        guard_ready, complete, &accepted, diagnostics);
     const uint32_t probe_x_attempt = state->probe_x.attempt;
     const bool x_unanswered = most_attempts <= probe_x_attempt;
     const bool in_time = guard_output.judging && (fabsf(missed_calls) <= 0.0f);
@@ -1557,12 +1708,8 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
         state->observer_z.q, accepted.z, in_time, guard_ready, z_unanswered, redundancy_output.sound,
         (faults & 0x00000020u) == 0u);
     const maglev_5dof_redundancy_output_2_t redundancy_output_2 = maglev_5dof_redundancy_output_2(&state->redundancy,
-        accepted.y1, accepted.y2, accepted.y3, accepted.y4, gap_prediction.y1_expected, gap_prediction.y2_expected,
-        gap_prediction.y3_expected, gap_prediction.y4_expected, redundancy_output.still_y1_next,
-        redundancy_output.still_y2_next, redundancy_output.still_y3_next, redundancy_output.still_y4_next,
-        redundancy_output.sound, x_monitor_output.usual, z_monitor_output.usual, faults, guard_ready,
-        redundancy_output.same_y1, redundancy_output.same_y2, redundancy_output.same_y3, redundancy_output.same_y4,
-        diagnostics);
+        &accepted, &gap_prediction, &redundancy_output, x_monitor_output.usual, z_monitor_output.usual, faults,
+        guard_ready, diagnostics);
     const uint32_t landing_landing_2 = state->landing.landing;
     const bool landed = (landing_landing_2 != 0u) && (landed_at <= state->landing.r_y);
 
@@ -1571,8 +1718,7 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
         (x_monitor_output.trusted || z_monitor_output.trusted);
     const maglev_5dof_guard_update_t guard_update = maglev_5dof_guard_update(&state->guard, landed, sufficient,
         complete, guard_latched);
-    const float y = maglev_5dof_kinematics_update(redundancy_output_2.y1_held, redundancy_output_2.y2_held,
-        redundancy_output_2.y3_held, redundancy_output_2.y4_held, diagnostics);
+    const float y = maglev_5dof_kinematics_update(&redundancy_output_2, diagnostics);
     const float safe_output_last_i_d1 = state->safe_output_last_i_d1;
     const float safe_output_last_i_d2 = state->safe_output_last_i_d2;
     const float safe_output_last_i_d3 = state->safe_output_last_i_d3;
@@ -1615,147 +1761,14 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_body(maglev_5dof_state_t *state, const m
     const uint32_t faults_before_2 = (guard_output.tolerated) ? value : (value | 0x00040000u);
     uint32_t fault_word;
     if (guard_update.latched != 0u) {
-        const bool rests = landed && (rests_beyond <= y);
-        const maglev_5dof_safe_output_latched_t safe_output_latched = maglev_5dof_safe_output_latched(rests,
-            safe_output_last_i_d1, safe_output_last_i_d2, safe_output_last_i_d3, safe_output_last_i_d4,
-            safe_output_last_u_x, safe_output_last_u_z);
-        state->safe_output_last_i_d1 = safe_output_latched.last_i_d1_next;
-        out->i_d1 = safe_output_latched.last_i_d1_next;
-        state->safe_output_last_i_d2 = safe_output_latched.last_i_d2_next;
-        out->i_d2 = safe_output_latched.last_i_d2_next;
-        state->safe_output_last_i_d3 = safe_output_latched.last_i_d3_next;
-        out->i_d3 = safe_output_latched.last_i_d3_next;
-        state->safe_output_last_i_d4 = safe_output_latched.last_i_d4_next;
-        out->i_d4 = safe_output_latched.last_i_d4_next;
-        state->safe_output_last_u_x = safe_output_latched.last_u_x_next;
-        out->i_q2 = safe_output_latched.last_u_x_next;
-        out->i_q4 = safe_output_latched.last_u_x_next;
-        state->safe_output_last_u_z = safe_output_latched.last_u_z_next;
-        out->i_q1 = safe_output_latched.last_u_z_next;
-        out->i_q3 = safe_output_latched.last_u_z_next;
-        state->guard.latched = 1u;
-        fault_word = faults_before_2 | 0x80000000u;
-        if (diagnostics != NULL) {
-            diagnostics->rests = rests ? 1.0f : 0.0f;
-        }
+        fault_word = maglev_5dof_latched(state, landed, y, safe_output_last_i_d1, safe_output_last_i_d2,
+            safe_output_last_i_d3, safe_output_last_i_d4, safe_output_last_u_x, safe_output_last_u_z, faults_before_2,
+            out, diagnostics);
     } else {
-        const uint32_t x_frozen = maglev_5dof_monitor_update(&state->x_monitor, x_monitor_output.jumping,
-            x_monitor_output.out_of_use, accepted.x, x_monitor_output.unchanged, x_monitor_output.above_gate,
-            x_monitor_output.far, x_monitor_output.same, x_monitor_output.believed, x_monitor_output.before_next);
-        const uint32_t z_frozen = maglev_5dof_monitor_update(&state->z_monitor, z_monitor_output.jumping,
-            z_monitor_output.out_of_use, accepted.z, z_monitor_output.unchanged, z_monitor_output.above_gate,
-            z_monitor_output.far, z_monitor_output.same, z_monitor_output.believed, z_monitor_output.before_next);
-        const maglev_5dof_redundancy_update_t redundancy_update = maglev_5dof_redundancy_update(&state->redundancy,
-            redundancy_output_2.calm, z_monitor_output.trusted, x_monitor_output.trusted, redundancy_output_2.whole,
-            redundancy_output_2.agrees, redundancy_output_2.decided, redundancy_output_2.waited,
-            redundancy_output_2.enough, redundancy_output_2.doubted, accepted.y1, redundancy_output.still_y1_next,
-            redundancy_output_2.isolated_y1, redundancy_output_2.readmitted_y1, accepted.y2,
-            redundancy_output.still_y2_next, redundancy_output_2.isolated_y2, redundancy_output_2.readmitted_y2,
-            accepted.y3, redundancy_output.still_y3_next, redundancy_output_2.isolated_y3,
-            redundancy_output_2.readmitted_y3, accepted.y4, redundancy_output.still_y4_next,
-            redundancy_output_2.isolated_y4, redundancy_output_2.readmitted_y4, redundancy_output_2.repeats_y1,
-            redundancy_output_2.repeats_y2, redundancy_output_2.repeats_y3, redundancy_output_2.repeats_y4,
-            z_monitor_output.suspect, x_monitor_output.suspect, redundancy_output_2.suspect_y4,
-            redundancy_output_2.suspect_y3, redundancy_output_2.suspect_y2, redundancy_output_2.suspect_y1,
-            diagnostics);
-        const bool free = redundancy_update.regular && (observer_y_q < lifted);
-        const maglev_5dof_kinematics_output_t kinematics_output =
-            maglev_5dof_kinematics_output(redundancy_output_2.y3_held, redundancy_output_2.y1_held,
-            redundancy_output_2.y2_held, redundancy_output_2.y4_held, diagnostics);
-        const maglev_5dof_errors_t errors = maglev_5dof_errors(y, accepted.y_ref, x_monitor_output.held, accepted.x_ref,
-            z_monitor_output.held, accepted.z_ref, kinematics_output.phi, accepted.phi_ref, kinematics_output.theta,
-            accepted.theta_ref, diagnostics);
-        const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, errors.e_y);
-        const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, errors.e_y,
-            filter_y_r_next);
-        const float filter_x_r_next = maglev_5dof_filter(&state->filter_x, guard_ready, errors.e_x);
-        const float filter_z_r_next = maglev_5dof_filter(&state->filter_z, guard_ready, errors.e_z);
-        const float filter_phi_r_next = maglev_5dof_filter(&state->filter_phi, guard_ready, errors.e_phi);
-        const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator,
-            errors.e_phi, filter_phi_r_next);
-        const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, errors.e_theta);
-        const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator,
-            errors.e_theta, filter_theta_r_next);
-        const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, errors.e_x, filter_x_r_next);
-        const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, errors.e_z, filter_z_r_next);
-        const maglev_5dof_observer_theta_t observer_theta = maglev_5dof_observer_theta(&state->observer_theta,
-            guard_ready, kinematics_output.theta, state->delay_w_theta_last, diagnostics);
-        const maglev_5dof_observer_y_t observer_y = maglev_5dof_observer_y(&state->observer_y, guard_ready, y,
-            state->delay_w_y_last, diagnostics);
-        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready,
-            x_monitor_output.trusted, x_monitor_output.held, x_frozen, state->delay_a_x_last,
-            x_monitor_output.unchanged);
-        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready,
-            z_monitor_output.trusted, z_monitor_output.held, z_frozen, state->delay_a_z_last,
-            z_monitor_output.unchanged);
-        const maglev_5dof_landing_t landing = maglev_5dof_landing(&state->landing, redundancy_update.regular,
-            guard_ready, kinematics_output.phi, w_phi_tracking, redundancy_update.theta_measured,
-            observer_theta.theta_rate_if_ready, observer_theta.theta_estimate, observer_theta.theta_disturbance,
-            w_theta_tracking, observer_y.y_estimate, observer_y.y_rate, observer_y.y_disturbance, w_y_tracking,
-            observer_x.estimate, observer_x.rate, observer_x.disturbance, w_x_tracking, observer_z.estimate,
-            observer_z.rate, observer_z.disturbance, w_z_tracking, diagnostics);
-        const float w_x = maglev_5dof_probe(&state->probe_x, x_monitor_output.unchanged, landing.w_x_unprobed, free,
-            errors.e_x);
-        const float w_z = maglev_5dof_probe(&state->probe_z, z_monitor_output.unchanged, landing.w_z_unprobed, free,
-            errors.e_z);
-        const maglev_5dof_decoupling_t decoupling = maglev_5dof_decoupling(redundancy_output_2.y1_held,
-            safe_output_last_u_z, safe_output_last_i_d1, redundancy_output_2.y2_held, safe_output_last_u_x,
-            safe_output_last_i_d2, redundancy_output_2.y3_held, safe_output_last_i_d3, redundancy_output_2.y4_held,
-            safe_output_last_i_d4, landing.w_y, landing.w_phi, kinematics_output.phi, landing.w_theta,
-            kinematics_output.theta, w_x, w_z, diagnostics);
-        const maglev_5dof_handover_t handover = maglev_5dof_handover(&state->handover, lost_x, lost_z, observer_y_q,
-            x_monitor_output.trusted, z_monitor_output.trusted, decoupling.i_d1_balanced, decoupling.i_d3_balanced,
-            decoupling.u_x_computed, decoupling.i_d2_balanced, decoupling.i_d4_balanced, decoupling.u_z_computed);
-        const maglev_5dof_accelerations_t accelerations = maglev_5dof_accelerations(decoupling.u_x_computed,
-            decoupling.h_x, decoupling.u_z_computed, decoupling.h_z, diagnostics);
-        maglev_5dof_observer_phi(&state->observer_phi, guard_ready, kinematics_output.phi, state->delay_w_phi_last,
-            diagnostics);
-        state->safe_output_last_i_d1 = handover.i_d1_computed;
-        out->i_d1 = handover.i_d1_computed;
-        state->safe_output_last_i_d2 = handover.i_d2_computed;
-        out->i_d2 = handover.i_d2_computed;
-        state->safe_output_last_i_d3 = handover.i_d3_computed;
-        out->i_d3 = handover.i_d3_computed;
-        state->safe_output_last_i_d4 = handover.i_d4_computed;
-        out->i_d4 = handover.i_d4_computed;
-        state->safe_output_last_u_x = decoupling.u_x_computed;
-        out->i_q2 = decoupling.u_x_computed;
-        out->i_q4 = decoupling.u_x_computed;
-        state->safe_output_last_u_z = decoupling.u_z_computed;
-        out->i_q1 = decoupling.u_z_computed;
-        out->i_q3 = decoupling.u_z_computed;
-        state->delay_w_y_last = landing.w_y;
-        state->delay_a_x_last = accelerations.a_x;
-        state->delay_a_z_last = accelerations.a_z;
-        state->delay_w_phi_last = landing.w_phi;
-        state->delay_w_theta_last = landing.w_theta;
-        if (landing.landing_next != 0u) {
-            fault_word = faults_before_2 | 0x40000000u;
-        } else {
-            fault_word = faults_before_2;
-        }
-        maglev_5dof_regulator_update(&state->regulator_x, errors.e_x, decoupling.excess_x);
-        maglev_5dof_regulator_update(&state->regulator_z, errors.e_z, decoupling.excess_z);
-        if (diagnostics != NULL) {
-            diagnostics->x_unchanged = (float)x_monitor_output.unchanged;
-            diagnostics->x_frozen = (float)x_frozen;
-            diagnostics->z_unchanged = (float)z_monitor_output.unchanged;
-            diagnostics->z_frozen = (float)z_frozen;
-            diagnostics->free = free ? 1.0f : 0.0f;
-            diagnostics->w_y_tracking = w_y_tracking;
-            diagnostics->w_x_tracking = w_x_tracking;
-            diagnostics->w_z_tracking = w_z_tracking;
-            diagnostics->w_phi_tracking = w_phi_tracking;
-            diagnostics->w_theta_tracking = w_theta_tracking;
-            diagnostics->x_estimate = observer_x.estimate;
-            diagnostics->x_rate = observer_x.rate;
-            diagnostics->x_disturbance = observer_x.disturbance;
-            diagnostics->z_estimate = observer_z.estimate;
-            diagnostics->z_rate = observer_z.rate;
-            diagnostics->z_disturbance = observer_z.disturbance;
-            diagnostics->w_x = w_x;
-            diagnostics->w_z = w_z;
-        }
+        fault_word = maglev_5dof_law(state, &accepted, guard_ready, &redundancy_output, &x_monitor_output, observer_y_q,
+            &z_monitor_output, &redundancy_output_2, y, safe_output_last_i_d1, safe_output_last_i_d2,
+            safe_output_last_i_d3, safe_output_last_i_d4, safe_output_last_u_x, safe_output_last_u_z, lost_x, lost_z,
+            faults_before_2, out, diagnostics);
     }
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;

@@ -70,41 +70,42 @@ typedef struct {
 
 /* advance: positions 1.5 samples later, when the currents act */
 MAGLEV_5DOF_PHASE_INLINE maglev_5dof_phase_advance_t maglev_5dof_phase_advance(maglev_5dof_phase_advance_state_t *state,
-    float x_held, bool good_x, float z_held, bool good_z, maglev_5dof_phase_diagnostics_t *diagnostics)
+    const maglev_5dof_phase_input_t *accepted, bool good_x, bool good_z, maglev_5dof_phase_diagnostics_t *diagnostics)
 {
     static const float largest_move = 0.001f;                   /* m; 1 m/s times 0.001 s; of x, z */
     static const float samples_ahead = 1.5f;                    /* 1; from the measurement until the current acts */
     static const uint32_t patience = 5u;                        /* 1; bad samples until a position is lost */
 
     const uint32_t left_x = state->left_x;
-    float last_x = x_held;
+    float last_x = accepted->x_commutation;
     uint32_t left_x_if_not_good_x = 0u;
     if (1u <= left_x) {
         last_x = state->last_x;
         left_x_if_not_good_x = left_x - 1u;
     }
-    const float position_x = maglev_5dof_phase_slew(last_x, x_held, largest_move);
+    const float position_x = maglev_5dof_phase_slew(last_x, accepted->x_commutation, largest_move);
     state->last_x = position_x;
     const uint32_t left_z = state->left_z;
-    float last_z = z_held;
+    float last_z = accepted->z_commutation;
     uint32_t left_z_if_not_good_z = 0u;
     if (1u <= left_z) {
         last_z = state->last_z;
         left_z_if_not_good_z = left_z - 1u;
     }
-    const float position_z = maglev_5dof_phase_slew(last_z, z_held, largest_move);
+    const float position_z = maglev_5dof_phase_slew(last_z, accepted->z_commutation, largest_move);
     state->last_z = position_z;
     state->left_x = (good_x) ? patience : left_x_if_not_good_x;
     state->left_z = (good_z) ? patience : left_z_if_not_good_z;
+    const float x_acting = position_x + (samples_ahead * (position_x - last_x));
+    const float z_acting = position_z + (samples_ahead * (position_z - last_z));
     if (diagnostics != NULL) {
-        diagnostics->x_acting = position_x + (samples_ahead * (position_x - last_x));
+        diagnostics->x_acting = x_acting;
         diagnostics->lost_x = ((good_x) ? false : (left_x <= 1u)) ? 1.0f : 0.0f;
-        diagnostics->z_acting = position_z + (samples_ahead * (position_z - last_z));
+        diagnostics->z_acting = z_acting;
         diagnostics->lost_z = ((good_z) ? false : (left_z <= 1u)) ? 1.0f : 0.0f;
     }
-    return (maglev_5dof_phase_advance_t){.x_acting = position_x + (samples_ahead * (position_x - last_x)),
-        .z_acting = position_z + (samples_ahead * (position_z - last_z)), .lost_x = (good_x) ? false : (left_x <= 1u),
-        .lost_z = (good_z) ? false : (left_z <= 1u)};
+    return (maglev_5dof_phase_advance_t){.x_acting = x_acting, .z_acting = z_acting, .lost_x = (good_x) ? false :
+        (left_x <= 1u), .lost_z = (good_z) ? false : (left_z <= 1u)};
 }
 
 typedef struct {
@@ -124,9 +125,8 @@ typedef struct {
 
 /* commutation: phase currents, inverse Park */
 MAGLEV_5DOF_PHASE_LARGE maglev_5dof_phase_commutation_t
-    maglev_5dof_phase_commutation(maglev_5dof_phase_commutation_state_t *state, float x_acting, float z_acting,
-    bool lost_x, bool lost_z, float i_d1_held, float i_d2_held, float i_d4_held, float i_q1_held, float i_d3_held,
-    float i_q2_held, float i_q3_held, float i_q4_held)
+    maglev_5dof_phase_commutation(maglev_5dof_phase_commutation_state_t *state,
+    const maglev_5dof_phase_advance_t *advance, const maglev_5dof_phase_input_t *accepted)
 {
     static const float fade_step = 0.04f; /* 1; 1 / 25: a handover, and a fade, takes 25 samples */
     /* A; largest |i_d| + |i_q| while a motor hands or takes over: keeps hypot too */
@@ -141,14 +141,14 @@ MAGLEV_5DOF_PHASE_LARGE maglev_5dof_phase_commutation_t
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
 
-    const float distance_x_sum = (inverse_wavelength * x_acting) + 4.5f;
+    const float distance_x_sum = (inverse_wavelength * advance->x_acting) + 4.5f;
     const float n_x = (float)(uint32_t)distance_x_sum - 4.0f;
-    const float distance_x = x_acting - (wavelength_high * n_x) - (wavelength_low * n_x);
+    const float distance_x = advance->x_acting - (wavelength_high * n_x) - (wavelength_low * n_x);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
     const float quarter_sine_x = distance_x * quarter_sine_polynomial(distance_x * distance_x);
-    const float distance_z_sum = (inverse_wavelength * z_acting) + 4.5f;
+    const float distance_z_sum = (inverse_wavelength * advance->z_acting) + 4.5f;
     const float n_z = (float)(uint32_t)distance_z_sum - 4.0f;
-    const float distance_z = z_acting - (wavelength_high * n_z) - (wavelength_low * n_z);
+    const float distance_z = advance->z_acting - (wavelength_high * n_z) - (wavelength_low * n_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_polynomial(distance_z * distance_z);
     const float transfer = state->transfer;
@@ -162,22 +162,22 @@ MAGLEV_5DOF_PHASE_LARGE maglev_5dof_phase_commutation_t
     const float h_x = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
     const float wave_x_cosine = h_x * (four_root_2 - (eight_root_2 * quarter_sine_x_squared));
     const float wave_x_sine = root_2 - (eight_root_2 * (h_x * h_x));
-    float direct_1 = i_d1_held;
+    float direct_1 = accepted->i_d1;
     float kept_z_cosine = wave_z_cosine;
     float kept_z_sine = wave_z_sine;
-    float direct_2 = i_d2_held;
+    float direct_2 = accepted->i_d2;
     float kept_x_cosine = wave_x_cosine;
     float kept_x_sine = wave_x_sine;
-    float direct_3 = i_d3_held;
-    float direct_4 = i_d4_held;
-    if (lost_x || lost_z || (0.0f < fabsf(transfer)) || unknown_at_least_1) {
+    float direct_3 = accepted->i_d3;
+    float direct_4 = accepted->i_d4;
+    if (advance->lost_x || advance->lost_z || (0.0f < fabsf(transfer)) || unknown_at_least_1) {
         float target = transfer;
-        if (lost_x && lost_z) {
+        if (advance->lost_x && advance->lost_z) {
             if (unknown < gone_samples) {
                 state->unknown = unknown + 1u;
             }
         } else {
-            target = (lost_x) ? 1.0f : ((lost_z) ? -1.0f : 0.0f);
+            target = (advance->lost_x) ? 1.0f : ((advance->lost_z) ? -1.0f : 0.0f);
             if (unknown_at_least_1) {
                 state->unknown = unknown - 1u;
             } else {
@@ -188,56 +188,56 @@ MAGLEV_5DOF_PHASE_LARGE maglev_5dof_phase_commutation_t
         const bool of_x = 0.0f < transfer_2;
         const float part = fabsf(transfer_2);
         const float part_x = (of_x) ? part : 0.0f;
-        const float handed_z = 0.5f * (part_x * (i_d2_held + i_d4_held));
-        direct_1 = maglev_5dof_phase_limit(i_d1_held + handed_z, current_limit - fabsf(i_q1_held));
+        const float handed_z = 0.5f * (part_x * (accepted->i_d2 + accepted->i_d4));
+        direct_1 = maglev_5dof_phase_limit(accepted->i_d1 + handed_z, current_limit - fabsf(accepted->i_q1));
         const float whole = maglev_5dof_phase_min(fade_step * (105.0f - (float)unknown), 1.0f);
         const float part_z = (of_x) ? 0.0f : part;
         const float share_z = whole * (1.0f - part_z);
         kept_z_cosine = share_z * wave_z_cosine;
         kept_z_sine = share_z * wave_z_sine;
-        const float handed_x = 0.5f * (part_z * (i_d1_held + i_d3_held));
-        direct_2 = maglev_5dof_phase_limit(i_d2_held + handed_x, current_limit - fabsf(i_q2_held));
+        const float handed_x = 0.5f * (part_z * (accepted->i_d1 + accepted->i_d3));
+        direct_2 = maglev_5dof_phase_limit(accepted->i_d2 + handed_x, current_limit - fabsf(accepted->i_q2));
         const float share_x = whole * (1.0f - part_x);
         kept_x_cosine = share_x * wave_x_cosine;
         kept_x_sine = share_x * wave_x_sine;
-        direct_3 = maglev_5dof_phase_limit(i_d3_held + handed_z, current_limit - fabsf(i_q3_held));
-        direct_4 = maglev_5dof_phase_limit(i_d4_held + handed_x, current_limit - fabsf(i_q4_held));
+        direct_3 = maglev_5dof_phase_limit(accepted->i_d3 + handed_z, current_limit - fabsf(accepted->i_q3));
+        direct_4 = maglev_5dof_phase_limit(accepted->i_d4 + handed_x, current_limit - fabsf(accepted->i_q4));
         state->transfer = transfer_2;
     } else {
         state->transfer = 0.0f;
         state->unknown = 0u;
     }
-    const float current_1_cosine = (direct_1 * kept_z_cosine) - (i_q1_held * kept_z_sine);
+    const float current_1_cosine = (direct_1 * kept_z_cosine) - (accepted->i_q1 * kept_z_sine);
     const float i_a1 = current_1_cosine;
     /*@ admit -9.900485f <= i_a1 <= 9.900485f; */
-    const float other_1 = half_root_3 * ((i_q1_held * kept_z_cosine) + (direct_1 * kept_z_sine));
+    const float other_1 = half_root_3 * ((accepted->i_q1 * kept_z_cosine) + (direct_1 * kept_z_sine));
     const float half_1 = 0.5f * current_1_cosine;
     const float i_b1 = other_1 - half_1;
     /*@ admit -9.900485f <= i_b1 <= 9.900485f; */
     const float i_c1 = -(half_1 + other_1);
     /*@ admit -9.900485f <= i_c1 <= 9.900485f; */
-    const float current_2_cosine = (direct_2 * kept_x_cosine) - (i_q2_held * kept_x_sine);
+    const float current_2_cosine = (direct_2 * kept_x_cosine) - (accepted->i_q2 * kept_x_sine);
     const float i_a2 = current_2_cosine;
     /*@ admit -9.900485f <= i_a2 <= 9.900485f; */
-    const float other_2 = half_root_3 * ((i_q2_held * kept_x_cosine) + (direct_2 * kept_x_sine));
+    const float other_2 = half_root_3 * ((accepted->i_q2 * kept_x_cosine) + (direct_2 * kept_x_sine));
     const float half_2 = 0.5f * current_2_cosine;
     const float i_b2 = other_2 - half_2;
     /*@ admit -9.900485f <= i_b2 <= 9.900485f; */
     const float i_c2 = -(half_2 + other_2);
     /*@ admit -9.900485f <= i_c2 <= 9.900485f; */
-    const float current_3_cosine = (direct_3 * kept_z_cosine) - (i_q3_held * kept_z_sine);
+    const float current_3_cosine = (direct_3 * kept_z_cosine) - (accepted->i_q3 * kept_z_sine);
     const float i_a3 = current_3_cosine;
     /*@ admit -9.900485f <= i_a3 <= 9.900485f; */
-    const float other_3 = half_root_3 * ((i_q3_held * kept_z_cosine) + (direct_3 * kept_z_sine));
+    const float other_3 = half_root_3 * ((accepted->i_q3 * kept_z_cosine) + (direct_3 * kept_z_sine));
     const float half_3 = 0.5f * current_3_cosine;
     const float i_b3 = other_3 - half_3;
     /*@ admit -9.900485f <= i_b3 <= 9.900485f; */
     const float i_c3 = -(half_3 + other_3);
     /*@ admit -9.900485f <= i_c3 <= 9.900485f; */
-    const float current_4_cosine = (direct_4 * kept_x_cosine) - (i_q4_held * kept_x_sine);
+    const float current_4_cosine = (direct_4 * kept_x_cosine) - (accepted->i_q4 * kept_x_sine);
     const float i_a4 = current_4_cosine;
     /*@ admit -9.900485f <= i_a4 <= 9.900485f; */
-    const float other_4 = half_root_3 * ((i_q4_held * kept_x_cosine) + (direct_4 * kept_x_sine));
+    const float other_4 = half_root_3 * ((accepted->i_q4 * kept_x_cosine) + (direct_4 * kept_x_sine));
     const float half_4 = 0.5f * current_4_cosine;
     const float i_b4 = other_4 - half_4;
     /*@ admit -9.900485f <= i_b4 <= 9.900485f; */
@@ -287,11 +287,10 @@ MAGLEV_5DOF_PHASE_INLINE uint32_t maglev_5dof_phase_body(maglev_5dof_phase_state
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const maglev_5dof_phase_input_t accepted = maglev_5dof_phase_guard_inputs(state, in, &faults);
-    const maglev_5dof_phase_advance_t advance = maglev_5dof_phase_advance(&state->advance, accepted.x_commutation,
-        (faults & 0x00000100u) == 0u, accepted.z_commutation, (faults & 0x00000200u) == 0u, diagnostics);
-    const maglev_5dof_phase_commutation_t commutation = maglev_5dof_phase_commutation(&state->commutation,
-        advance.x_acting, advance.z_acting, advance.lost_x, advance.lost_z, accepted.i_d1, accepted.i_d2, accepted.i_d4,
-        accepted.i_q1, accepted.i_d3, accepted.i_q2, accepted.i_q3, accepted.i_q4);
+    const maglev_5dof_phase_advance_t advance = maglev_5dof_phase_advance(&state->advance, &accepted,
+        (faults & 0x00000100u) == 0u, (faults & 0x00000200u) == 0u, diagnostics);
+    const maglev_5dof_phase_commutation_t commutation = maglev_5dof_phase_commutation(&state->commutation, &advance,
+        &accepted);
     if (advance.lost_x) {
         faults |= 0x00000400u;
     }

@@ -181,43 +181,44 @@ typedef struct {
 } maglev_5dof_precise_redundancy_output_t;
 
 /* redundancy: parity, innovations, frozen codes */
-MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_redundancy_output_t maglev_5dof_precise_redundancy_output(const
-    maglev_5dof_precise_redundancy_state_t *state, uint32_t ready, bool complete, float y1_accepted, float y2_accepted,
-    float y3_accepted, float y4_accepted, maglev_5dof_precise_diagnostics_t *diagnostics)
+MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_redundancy_output_t
+    maglev_5dof_precise_redundancy_output(const maglev_5dof_precise_redundancy_state_t *state, uint32_t ready,
+    bool complete, const maglev_5dof_precise_input_t *accepted, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
 
     const uint32_t degraded = state->degraded;
-    const bool same_y1 = maglev_5dof_precise_equal(y1_accepted, state->code_y1);
+    const bool sound = (ready != 0u) && complete && (degraded == 0u);
+    const bool same_y1 = maglev_5dof_precise_equal(accepted->y1, state->code_y1);
     uint32_t still_y1_next = 0u;
     if (same_y1) {
         const uint32_t still_y1 = state->still_y1;
         still_y1_next = (still_samples <= still_y1) ? still_y1 : (still_y1 + 1u);
     }
-    const bool same_y2 = maglev_5dof_precise_equal(y2_accepted, state->code_y2);
+    const bool same_y2 = maglev_5dof_precise_equal(accepted->y2, state->code_y2);
     uint32_t still_y2_next = 0u;
     if (same_y2) {
         const uint32_t still_y2 = state->still_y2;
         still_y2_next = (still_samples <= still_y2) ? still_y2 : (still_y2 + 1u);
     }
-    const bool same_y3 = maglev_5dof_precise_equal(y3_accepted, state->code_y3);
+    const bool same_y3 = maglev_5dof_precise_equal(accepted->y3, state->code_y3);
     uint32_t still_y3_next = 0u;
     if (same_y3) {
         const uint32_t still_y3 = state->still_y3;
         still_y3_next = (still_samples <= still_y3) ? still_y3 : (still_y3 + 1u);
     }
-    const bool same_y4 = maglev_5dof_precise_equal(y4_accepted, state->code_y4);
+    const bool same_y4 = maglev_5dof_precise_equal(accepted->y4, state->code_y4);
     uint32_t still_y4_next = 0u;
     if (same_y4) {
         const uint32_t still_y4 = state->still_y4;
         still_y4_next = (still_samples <= still_y4) ? still_y4 : (still_y4 + 1u);
     }
     if (diagnostics != NULL) {
-        diagnostics->sound = ((ready != 0u) && complete && (degraded == 0u)) ? 1.0f : 0.0f;
+        diagnostics->sound = sound ? 1.0f : 0.0f;
     }
     return (maglev_5dof_precise_redundancy_output_t){.still_y1_next = still_y1_next, .still_y2_next = still_y2_next,
-        .still_y3_next = still_y3_next, .still_y4_next = still_y4_next, .sound = (ready != 0u) && complete &&
-        (degraded == 0u), .same_y1 = same_y1, .same_y2 = same_y2, .same_y3 = same_y3, .same_y4 = same_y4};
+        .still_y3_next = still_y3_next, .still_y4_next = still_y4_next, .sound = sound, .same_y1 = same_y1,
+        .same_y2 = same_y2, .same_y3 = same_y3, .same_y4 = same_y4};
 }
 
 typedef struct {
@@ -225,7 +226,7 @@ typedef struct {
     float held;
     uint32_t unchanged;
     uint32_t suspect;
-    uint32_t out_of_use;
+    uint32_t value;
     bool above_gate;
     bool same;
     bool jumping;
@@ -287,7 +288,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_output_t
     uint32_t suspect = 1u;
     bool trusted = false;
     float held = expected;
-    uint32_t out_of_use = 0u;
+    uint32_t value = 0u;
     if (!jumping) {
         const uint32_t excluded = state->excluded;
         const bool usable = good && (excluded == 0u);
@@ -295,39 +296,38 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_output_t
         if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
                 fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
             suspect = stopped;
-            out_of_use = stopped;
+            value = stopped;
         } else {
             usual = sound;
             if (sound) {
                 suspect = 0u;
-                out_of_use = 0u;
+                value = 0u;
                 trusted = true;
                 held = accepted;
             } else {
                 suspect = excluded;
-                out_of_use = excluded;
+                value = excluded;
                 trusted = usable;
                 held = (usable) ? accepted : expected;
             }
         }
     }
     return (maglev_5dof_precise_monitor_output_t){.before_next = before_next, .held = held, .unchanged = unchanged,
-        .suspect = suspect, .out_of_use = out_of_use, .above_gate = above_gate, .same = same, .jumping = jumping,
-        .usual = usual, .trusted = trusted, .far = far, .believed = believed};
+        .suspect = suspect, .value = value, .above_gate = above_gate, .same = same, .jumping = jumping, .usual = usual,
+        .trusted = trusted, .far = far, .believed = believed};
 }
 
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation */
 MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_monitor_update(maglev_5dof_precise_monitor_state_t *state,
-    bool jumping, uint32_t out_of_use, float accepted, uint32_t unchanged, bool above_gate, bool far, bool same,
-    bool believed, float before_next)
+    const maglev_5dof_precise_monitor_output_t *monitor_output, float accepted)
 {
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
     static const uint32_t doubted_changes = 10u; /* 1; changes of the code until its prediction is believed */
 
     state->code = accepted;
-    state->still = unchanged;
-    uint32_t frozen = out_of_use;
-    if (jumping) {
+    state->still = monitor_output->unchanged;
+    uint32_t frozen = monitor_output->value;
+    if (monitor_output->jumping) {
         frozen = state->excluded;
         const uint32_t jumps = state->jumps;
         if (excluded_from <= jumps) {
@@ -337,13 +337,13 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_monitor_update(maglev_5d
             state->jumps = jumps + 1u;
         }
     } else {
-        state->excluded = out_of_use;
+        state->excluded = monitor_output->value;
         state->jumps = 0u;
     }
     const uint32_t doubts = state->doubts;
     uint32_t doubts_if_not_far = doubts;
     uint32_t agreeing = doubts;
-    if (!same) {
+    if (!monitor_output->same) {
         doubts_if_not_far = doubted_changes;
         if (1u <= doubts) {
             agreeing = doubts - 1u;
@@ -351,12 +351,13 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_monitor_update(maglev_5d
             agreeing = 0u;
         }
     }
-    if (above_gate) {
-        state->doubts = (far) ? ((same || believed) ? doubts : doubted_changes) : doubts_if_not_far;
+    if (monitor_output->above_gate) {
+        state->doubts = (monitor_output->far) ?
+            ((monitor_output->same || monitor_output->believed) ? doubts : doubted_changes) : doubts_if_not_far;
     } else {
         state->doubts = agreeing;
     }
-    state->before = before_next;
+    state->before = monitor_output->before_next;
     return frozen;
 }
 
@@ -368,8 +369,8 @@ typedef struct {
 
 /* observer_x, observer_z: predictive observer, alpha-beta-gamma */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
-    maglev_5dof_precise_observer(maglev_5dof_precise_observer_2_state_t *state, uint32_t ready, bool trusted,
-    float held, uint32_t frozen, float a_before, uint32_t unchanged)
+    maglev_5dof_precise_observer(maglev_5dof_precise_observer_2_state_t *state, uint32_t ready,
+    const maglev_5dof_precise_monitor_output_t *monitor_output, uint32_t frozen, float a_before)
 {
     static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float largest_disturbance = 20.0f;             /* m/s^2; bound of the disturbance */
@@ -387,15 +388,15 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     const float d_at_change = state->d_at_change;
     const float gained = state->gained;
     float d_next = 0.0f;
-    float estimate = held;
+    float estimate = monitor_output->held;
     float rate = 0.0f;
     float g_change = 0.0f;
     if (ready != 0u) {
         const float q = state->q;
-        const float nu = held - q;
+        const float nu = monitor_output->held - q;
         const float d = state->d;
         const float v = state->v;
-        if (trusted) {
+        if (monitor_output->trusted) {
             const float d_if_trusted = maglev_5dof_precise_limit(d + (gamma * nu), largest_disturbance);
             d_next = d_if_trusted;
             rate = v + (beta * nu);
@@ -414,7 +415,7 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_t
     state->q = maglev_5dof_precise_limit(estimate + (half_T * (rate + rate_ahead)), largest_position);
     state->v = maglev_5dof_precise_limit(rate_ahead, largest_rate);
     state->d = d_next;
-    if (trusted && (1u <= unchanged)) {
+    if (monitor_output->trusted && (1u <= monitor_output->unchanged)) {
         state->gained = (gained_decay * gained) + (d_next - d_at_change);
     } else {
         state->gained = 0.0f;
@@ -457,11 +458,10 @@ typedef struct {
 
 /* redundancy: parity, innovations, frozen codes */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
-    maglev_5dof_precise_redundancy_output_2(const maglev_5dof_precise_redundancy_state_t *state, float y1_accepted,
-    float y2_accepted, float y3_accepted, float y4_accepted, float y1_expected, float y2_expected, float y3_expected,
-    float y4_expected, uint32_t still_y1_next, uint32_t still_y2_next, uint32_t still_y3_next, uint32_t still_y4_next,
-    bool sound, bool x_usual, bool z_usual, uint32_t complete_part, uint32_t ready, bool same_y1, bool same_y2,
-    bool same_y3, bool same_y4, maglev_5dof_precise_diagnostics_t *diagnostics)
+    maglev_5dof_precise_redundancy_output_2(const maglev_5dof_precise_redundancy_state_t *state,
+    const maglev_5dof_precise_input_t *accepted, const maglev_5dof_precise_gap_prediction_t *gap_prediction,
+    const maglev_5dof_precise_redundancy_output_t *redundancy_output, bool x_usual, bool z_usual,
+    uint32_t complete_part, uint32_t ready, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     /* m; largest |r| without a fault: half a count and an offset of each sensor */
     static const float threshold_0 = 4.8e-05f;
@@ -482,20 +482,20 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
     static const float highest_y2_y4 = 0.0366f;                 /* m; end of its range */
     static const float lowest_y2_y4 = 0.0124f;                  /* m; end of its range */
 
-    const float residual_0_sum = y1_accepted - y2_accepted + y3_accepted;
-    const float residual_0 = residual_0_sum - y4_accepted;
+    const float residual_0_sum = accepted->y1 - accepted->y2 + accepted->y3;
+    const float residual_0 = residual_0_sum - accepted->y4;
     const float size = fabsf(residual_0);
     const bool agreement = size <= threshold_0;
-    const bool calm = sound && agreement && x_usual && z_usual;
+    const bool calm = redundancy_output->sound && agreement && x_usual && z_usual;
     bool suspect_y1 = false;
     bool suspect_y2 = false;
     bool suspect_y3 = false;
     bool suspect_y4 = false;
     bool gaps_sufficient_if_ready = true;
-    float y1_held = y1_accepted;
-    float y2_held = y2_accepted;
-    float y3_held = y3_accepted;
-    float y4_held = y4_accepted;
+    float y1_held = accepted->y1;
+    float y2_held = accepted->y2;
+    float y3_held = accepted->y3;
+    float y4_held = accepted->y4;
     bool whole = false;
     bool agrees = false;
     bool repeats_y1 = false;
@@ -541,37 +541,38 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
             } else {
                 const bool residual_0_positive = 0.0f < residual_0;
                 const float direction_y1_y3 = (residual_0_positive) ? 1.0f : -1.0f;
-                const float E_y1 = direction_y1_y3 * (y1_accepted - y1_expected);
+                const float E_y1 = direction_y1_y3 * (accepted->y1 - gap_prediction->y1_expected);
                 const float direction_y2_y4 = (residual_0_positive) ? -1.0f : 1.0f;
-                const float E_y2 = direction_y2_y4 * (y2_accepted - y2_expected);
-                const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
-                const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
-                const bool repeats_y1_2 = repeated_samples <= still_y1_next;
+                const float E_y2 = direction_y2_y4 * (accepted->y2 - gap_prediction->y2_expected);
+                const float E_y3 = direction_y1_y3 * (accepted->y3 - gap_prediction->y3_expected);
+                const float E_y4 = direction_y2_y4 * (accepted->y4 - gap_prediction->y4_expected);
+                const bool repeats_y1_2 = repeated_samples <= redundancy_output->still_y1_next;
                 const float least_E = candidate_part * size;
                 const bool candidate_y1 = repeats_y1_2 && (least_E < E_y1);
-                const bool repeats_y2_2 = repeated_samples <= still_y2_next;
+                const bool repeats_y2_2 = repeated_samples <= redundancy_output->still_y2_next;
                 const bool candidate_y2 = repeats_y2_2 && (least_E < E_y2);
-                const bool repeats_y3_2 = repeated_samples <= still_y3_next;
+                const bool repeats_y3_2 = repeated_samples <= redundancy_output->still_y3_next;
                 const bool candidate_y3 = repeats_y3_2 && (least_E < E_y3);
-                const bool repeats_y4_2 = repeated_samples <= still_y4_next;
+                const bool repeats_y4_2 = repeated_samples <= redundancy_output->still_y4_next;
                 const bool candidate_y4 = repeats_y4_2 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_precise_flag(candidate_y1) +
                     maglev_5dof_precise_flag(candidate_y2) + maglev_5dof_precise_flag(candidate_y3) +
                     maglev_5dof_precise_flag(candidate_y4);
                 const bool by_first_rule = candidates != 0u;
-                const uint32_t moving = maglev_5dof_precise_flag(still_y1_next < repeated_samples) +
-                    maglev_5dof_precise_flag(still_y2_next < repeated_samples) + maglev_5dof_precise_flag(still_y3_next
-                    < repeated_samples) + maglev_5dof_precise_flag(still_y4_next < repeated_samples);
+                const uint32_t moving = maglev_5dof_precise_flag(redundancy_output->still_y1_next < repeated_samples) +
+                    maglev_5dof_precise_flag(redundancy_output->still_y2_next < repeated_samples) +
+                    maglev_5dof_precise_flag(redundancy_output->still_y3_next < repeated_samples) +
+                    maglev_5dof_precise_flag(redundancy_output->still_y4_next < repeated_samples);
                 uint32_t standing = 0u;
                 float preferred_y1 = 0.0f;
                 float preferred_y2 = 0.0f;
                 float preferred_y3 = 0.0f;
                 float preferred_y4 = 0.0f;
                 if (moving == all_but_one_of_4) {
-                    const bool stands_y1 = still_samples <= still_y1_next;
-                    const bool stands_y2 = still_samples <= still_y2_next;
-                    const bool stands_y3 = still_samples <= still_y3_next;
-                    const bool stands_y4 = still_samples <= still_y4_next;
+                    const bool stands_y1 = still_samples <= redundancy_output->still_y1_next;
+                    const bool stands_y2 = still_samples <= redundancy_output->still_y2_next;
+                    const bool stands_y3 = still_samples <= redundancy_output->still_y3_next;
+                    const bool stands_y4 = still_samples <= redundancy_output->still_y4_next;
                     standing = maglev_5dof_precise_flag(stands_y1) + maglev_5dof_precise_flag(stands_y2) +
                         maglev_5dof_precise_flag(stands_y3) + maglev_5dof_precise_flag(stands_y4);
                     const float by_second_rule = 1.0f - (by_first_rule ? 1.0f : 0.0f);
@@ -608,13 +609,13 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
                 suspect_y3 = (maglev_5dof_precise_flag(isolated_y3_2) + waited_2) != 0u;
                 const bool isolated_y4_2 = least <= score_y4;
                 suspect_y4 = (maglev_5dof_precise_flag(isolated_y4_2) + waited_2) != 0u;
-                y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y1_accepted -
+                y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min(accepted->y1 -
                     ((isolated_y1_2) ? residual_0 : 0.0f), highest_y1_y3), lowest_y1_y3);
-                y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y2_accepted +
+                y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min(accepted->y2 +
                     ((isolated_y2_2) ? residual_0 : 0.0f), highest_y2_y4), lowest_y2_y4);
-                y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y3_accepted -
+                y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min(accepted->y3 -
                     ((isolated_y3_2) ? residual_0 : 0.0f), highest_y1_y3), lowest_y1_y3);
-                y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(y4_accepted +
+                y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min(accepted->y4 +
                     ((isolated_y4_2) ? residual_0 : 0.0f), highest_y2_y4), lowest_y2_y4);
                 isolated_y1 = isolated_y1_2;
                 isolated_y2 = isolated_y2_2;
@@ -630,10 +631,14 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
             decided = decided_2;
         } else {
             const uint32_t stuck_0 = state->stuck_0;
-            const bool readmitted_y1_2 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
-            const bool readmitted_y2_2 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !same_y2 && good_y2;
-            const bool readmitted_y3_2 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !same_y3 && good_y3;
-            const bool readmitted_y4_2 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !same_y4 && good_y4;
+            const bool readmitted_y1_2 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !redundancy_output->same_y1 &&
+                good_y1;
+            const bool readmitted_y2_2 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !redundancy_output->same_y2 &&
+                good_y2;
+            const bool readmitted_y3_2 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !redundancy_output->same_y3 &&
+                good_y3;
+            const bool readmitted_y4_2 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !redundancy_output->same_y4 &&
+                good_y4;
             const uint32_t doubted_2 = (readmitted_y1_2 || readmitted_y2_2 || readmitted_y3_2 || readmitted_y4_2) ? 1u :
                 undecided_0;
             suspect_y1 = (excluded_y1 + doubted_2) != 0u;
@@ -645,24 +650,24 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
                 true) + maglev_5dof_precise_flag((usable_y4) ? false : true);
             gaps_sufficient_if_ready = missing <= tolerated_missing;
             const bool enough_2 = missing <= 1u;
-            float predicted_y1 = y1_expected;
-            float predicted_y2 = y2_expected;
-            float predicted_y3 = y3_expected;
+            float predicted_y1 = gap_prediction->y1_expected;
+            float predicted_y2 = gap_prediction->y2_expected;
+            float predicted_y3 = gap_prediction->y3_expected;
             float predicted_y4 = residual_0_sum;
             if (enough_2) {
-                predicted_y1 = y1_accepted - residual_0;
-                predicted_y2 = y2_accepted + residual_0;
-                predicted_y3 = y3_accepted - residual_0;
+                predicted_y1 = accepted->y1 - residual_0;
+                predicted_y2 = accepted->y2 + residual_0;
+                predicted_y3 = accepted->y3 - residual_0;
             } else {
-                predicted_y4 = y4_expected;
+                predicted_y4 = gap_prediction->y4_expected;
             }
-            y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y1) ? y1_accepted : predicted_y1,
+            y1_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y1) ? accepted->y1 : predicted_y1,
                 highest_y1_y3), lowest_y1_y3);
-            y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y2) ? y2_accepted : predicted_y2,
+            y2_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y2) ? accepted->y2 : predicted_y2,
                 highest_y2_y4), lowest_y2_y4);
-            y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y3) ? y3_accepted : predicted_y3,
+            y3_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y3) ? accepted->y3 : predicted_y3,
                 highest_y1_y3), lowest_y1_y3);
-            y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y4) ? y4_accepted : predicted_y4,
+            y4_held = maglev_5dof_precise_max(maglev_5dof_precise_min((usable_y4) ? accepted->y4 : predicted_y4,
                 highest_y2_y4), lowest_y2_y4);
             readmitted_y1 = readmitted_y1_2;
             readmitted_y2 = readmitted_y2_2;
@@ -673,6 +678,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
         }
         whole = whole_2;
     }
+    const bool gaps_sufficient = (ready != 0u) && gaps_sufficient_if_ready;
     if (diagnostics != NULL) {
         diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
         diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
@@ -682,16 +688,15 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
         diagnostics->y2_held = y2_held;
         diagnostics->y3_held = y3_held;
         diagnostics->y4_held = y4_held;
-        diagnostics->gaps_sufficient = ((ready != 0u) && gaps_sufficient_if_ready) ? 1.0f : 0.0f;
+        diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
     }
     return (maglev_5dof_precise_redundancy_output_2_t){.y1_held = y1_held, .y2_held = y2_held, .y3_held = y3_held,
-        .y4_held = y4_held, .waited = waited, .doubted = doubted, .calm = calm, .suspect_y1 = suspect_y1,
-        .suspect_y2 = suspect_y2, .suspect_y3 = suspect_y3, .suspect_y4 = suspect_y4,
-        .gaps_sufficient = (ready != 0u) && gaps_sufficient_if_ready, .whole = whole, .agrees = agrees,
-        .repeats_y1 = repeats_y1, .repeats_y2 = repeats_y2, .repeats_y3 = repeats_y3, .repeats_y4 = repeats_y4,
-        .decided = decided, .isolated_y1 = isolated_y1, .readmitted_y1 = readmitted_y1, .readmitted_y2 = readmitted_y2,
-        .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4, .isolated_y2 = isolated_y2,
-        .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4, .enough = enough};
+        .y4_held = y4_held, .waited = waited, .doubted = doubted, .calm = calm, .suspect_y1 = suspect_y1, .suspect_y2 =
+        suspect_y2, .suspect_y3 = suspect_y3, .suspect_y4 = suspect_y4, .gaps_sufficient = gaps_sufficient,
+        .whole = whole, .agrees = agrees, .repeats_y1 = repeats_y1, .repeats_y2 = repeats_y2, .repeats_y3 = repeats_y3,
+        .repeats_y4 = repeats_y4, .decided = decided, .isolated_y1 = isolated_y1, .readmitted_y1 = readmitted_y1,
+        .readmitted_y2 = readmitted_y2, .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4,
+        .isolated_y2 = isolated_y2, .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4, .enough = enough};
 }
 
 typedef struct {
@@ -701,22 +706,20 @@ typedef struct {
 
 /* redundancy: parity, innovations, frozen codes */
 MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
-    maglev_5dof_precise_redundancy_update(maglev_5dof_precise_redundancy_state_t *state, bool calm, bool z_trusted, bool
-    x_trusted, bool whole, bool agrees, bool decided, uint32_t waited, bool enough, uint32_t doubted, float y1_accepted,
-    uint32_t still_y1_next, bool isolated_y1, bool readmitted_y1, float y2_accepted, uint32_t still_y2_next,
-    bool isolated_y2, bool readmitted_y2, float y3_accepted, uint32_t still_y3_next, bool isolated_y3,
-    bool readmitted_y3, float y4_accepted, uint32_t still_y4_next, bool isolated_y4, bool readmitted_y4,
-    bool repeats_y1, bool repeats_y2, bool repeats_y3, bool repeats_y4, uint32_t z_suspect, uint32_t x_suspect,
-    bool suspect_y4, bool suspect_y3, bool suspect_y2, bool suspect_y1, maglev_5dof_precise_diagnostics_t *diagnostics)
+    maglev_5dof_precise_redundancy_update(maglev_5dof_precise_redundancy_state_t *state,
+    const maglev_5dof_precise_redundancy_output_2_t *redundancy_output_2,
+    const maglev_5dof_precise_monitor_output_t *z_monitor_output,
+    const maglev_5dof_precise_monitor_output_t *x_monitor_output, const maglev_5dof_precise_input_t *accepted,
+    const maglev_5dof_precise_redundancy_output_t *redundancy_output, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
     static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
 
-    state->code_y1 = y1_accepted;
-    state->still_y1 = still_y1_next;
+    state->code_y1 = accepted->y1;
+    state->still_y1 = redundancy_output->still_y1_next;
     bool regular = true;
     bool theta_measured = true;
-    if (calm) {
+    if (redundancy_output_2->calm) {
         state->contradictions_0 = 0u;
     } else {
         const uint32_t excluded_y1 = state->excluded_y1;
@@ -724,17 +727,17 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
         const uint32_t excluded_y3 = state->excluded_y3;
         const uint32_t excluded_y4 = state->excluded_y4;
         bool determined;
-        if (whole) {
-            if (agrees) {
-                determined = decided;
+        if (redundancy_output_2->whole) {
+            if (redundancy_output_2->agrees) {
+                determined = redundancy_output_2->decided;
                 state->contradictions_0 = 0u;
             } else {
-                determined = waited == 0u;
+                determined = redundancy_output_2->waited == 0u;
                 const uint32_t contradictions_0 = state->contradictions_0;
-                bool left_out_now_y1 = isolated_y1;
-                bool left_out_now_y2 = isolated_y2;
-                bool left_out_now_y3 = isolated_y3;
-                bool left_out_now_y4 = isolated_y4;
+                bool left_out_now_y1 = redundancy_output_2->isolated_y1;
+                bool left_out_now_y2 = redundancy_output_2->isolated_y2;
+                bool left_out_now_y3 = redundancy_output_2->isolated_y3;
+                bool left_out_now_y4 = redundancy_output_2->isolated_y4;
                 if (contradictions_0 < excluded_from) {
                     left_out_now_y1 = false;
                     left_out_now_y2 = false;
@@ -749,33 +752,35 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
                     state->contradictions_0 = contradictions_0 + 1u;
                 }
                 const uint32_t stuck_0 = state->stuck_0;
-                const uint32_t stuck_0_sum = maglev_5dof_precise_flag(repeats_y1 && left_out_now_y1) +
-                    maglev_5dof_precise_flag(repeats_y2 && left_out_now_y2) + maglev_5dof_precise_flag(repeats_y3 &&
-                    left_out_now_y3) + maglev_5dof_precise_flag(repeats_y4 && left_out_now_y4) + stuck_0;
+                const uint32_t stuck_0_sum = maglev_5dof_precise_flag(redundancy_output_2->repeats_y1 &&
+                    left_out_now_y1) + maglev_5dof_precise_flag(redundancy_output_2->repeats_y2 && left_out_now_y2) +
+                    maglev_5dof_precise_flag(redundancy_output_2->repeats_y3 && left_out_now_y3) +
+                    maglev_5dof_precise_flag(redundancy_output_2->repeats_y4 && left_out_now_y4) + stuck_0;
                 state->stuck_0 = maglev_5dof_precise_flag(stuck_0_sum != 0u);
-                state->undecided_0 = waited;
+                state->undecided_0 = redundancy_output_2->waited;
             }
         } else {
-            determined = enough && (doubted == 0u);
-            state->excluded_y1 = maglev_5dof_precise_flag((excluded_y1 != 0u) && !readmitted_y1);
-            state->excluded_y2 = maglev_5dof_precise_flag((excluded_y2 != 0u) && !readmitted_y2);
-            state->excluded_y3 = maglev_5dof_precise_flag((excluded_y3 != 0u) && !readmitted_y3);
-            state->excluded_y4 = maglev_5dof_precise_flag((excluded_y4 != 0u) && !readmitted_y4);
+            determined = redundancy_output_2->enough && (redundancy_output_2->doubted == 0u);
+            state->excluded_y1 = maglev_5dof_precise_flag((excluded_y1 != 0u) && !redundancy_output_2->readmitted_y1);
+            state->excluded_y2 = maglev_5dof_precise_flag((excluded_y2 != 0u) && !redundancy_output_2->readmitted_y2);
+            state->excluded_y3 = maglev_5dof_precise_flag((excluded_y3 != 0u) && !redundancy_output_2->readmitted_y3);
+            state->excluded_y4 = maglev_5dof_precise_flag((excluded_y4 != 0u) && !redundancy_output_2->readmitted_y4);
             state->contradictions_0 = 0u;
-            state->undecided_0 = doubted;
+            state->undecided_0 = redundancy_output_2->doubted;
         }
-        regular = z_trusted && x_trusted && determined;
+        regular = z_monitor_output->trusted && x_monitor_output->trusted && determined;
         theta_measured = determined;
-        if ((z_suspect != 0u) || (x_suspect != 0u) || suspect_y4 || suspect_y3 || suspect_y2 || suspect_y1) {
+        if ((z_monitor_output->suspect != 0u) || (x_monitor_output->suspect != 0u) || redundancy_output_2->suspect_y4 ||
+                redundancy_output_2->suspect_y3 || redundancy_output_2->suspect_y2 || redundancy_output_2->suspect_y1) {
             state->degraded = 1u;
         }
     }
-    state->code_y2 = y2_accepted;
-    state->still_y2 = still_y2_next;
-    state->code_y3 = y3_accepted;
-    state->still_y3 = still_y3_next;
-    state->code_y4 = y4_accepted;
-    state->still_y4 = still_y4_next;
+    state->code_y2 = accepted->y2;
+    state->still_y2 = redundancy_output->still_y2_next;
+    state->code_y3 = accepted->y3;
+    state->still_y3 = redundancy_output->still_y3_next;
+    state->code_y4 = accepted->y4;
+    state->still_y4 = redundancy_output->still_y4_next;
     if (diagnostics != NULL) {
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
@@ -820,18 +825,18 @@ typedef struct {
 } maglev_5dof_precise_kinematics_output_t;
 
 /* kinematics: pose from the gaps, F(5) */
-MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_kinematics_output_t maglev_5dof_precise_kinematics_output(float y3_held,
-    float y1_held, float y2_held, float y4_held, maglev_5dof_precise_diagnostics_t *diagnostics)
+MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_kinematics_output_t maglev_5dof_precise_kinematics_output(const
+    maglev_5dof_precise_redundancy_output_2_t *redundancy_output_2, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
-    const float y3_held_minus_y1_held = y3_held - y1_held;
-    const float y2_held_minus_y4_held = y2_held - y4_held;
+    const float y3_held_minus_y1_held = redundancy_output_2->y3_held - redundancy_output_2->y1_held;
+    const float phi = y3_held_minus_y1_held * phi_polynomial(y3_held_minus_y1_held * y3_held_minus_y1_held);
+    const float y2_held_minus_y4_held = redundancy_output_2->y2_held - redundancy_output_2->y4_held;
+    const float theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held);
     if (diagnostics != NULL) {
-        diagnostics->phi = y3_held_minus_y1_held * phi_polynomial(y3_held_minus_y1_held * y3_held_minus_y1_held);
-        diagnostics->theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held);
+        diagnostics->phi = phi;
+        diagnostics->theta = theta;
     }
-    return (maglev_5dof_precise_kinematics_output_t){.phi = y3_held_minus_y1_held *
-        phi_polynomial(y3_held_minus_y1_held * y3_held_minus_y1_held),
-        .theta = y2_held_minus_y4_held * phi_polynomial(y2_held_minus_y4_held * y2_held_minus_y4_held)};
+    return (maglev_5dof_precise_kinematics_output_t){.phi = phi, .theta = theta};
 }
 
 /* observer_phi: predictive observer, alpha-beta-gamma */
@@ -914,13 +919,15 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_theta_t
 }
 
 /* kinematics: pose from the gaps, F(5) */
-MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_kinematics_update(float y1_held, float y2_held, float y3_held,
-    float y4_held, maglev_5dof_precise_diagnostics_t *diagnostics)
+MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_kinematics_update(const maglev_5dof_precise_redundancy_output_2_t
+    *redundancy_output_2, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
+    const float y_sum = redundancy_output_2->y1_held + redundancy_output_2->y2_held + redundancy_output_2->y3_held +
+        redundancy_output_2->y4_held;
     if (diagnostics != NULL) {
-        diagnostics->y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
+        diagnostics->y = 0.25f * y_sum;
     }
-    return 0.25f * (y1_held + y2_held + y3_held + y4_held);
+    return 0.25f * y_sum;
 }
 
 typedef struct {
@@ -976,19 +983,21 @@ typedef struct {
 } maglev_5dof_precise_errors_t;
 
 /* errors: tracking errors, F(14) */
-MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_errors_t maglev_5dof_precise_errors(float y, float y_ref_held,
-    float x_held, float x_ref_held, float z_held, float z_ref_held, float phi, float phi_ref_held, float theta,
-    float theta_ref_held, maglev_5dof_precise_diagnostics_t *diagnostics)
+MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_errors_t maglev_5dof_precise_errors(float y,
+    const maglev_5dof_precise_input_t *accepted, float x_held, float z_held,
+    const maglev_5dof_precise_kinematics_output_t *kinematics_output, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
+    const float e_phi = kinematics_output->phi - accepted->phi_ref;
+    const float e_theta = kinematics_output->theta - accepted->theta_ref;
     if (diagnostics != NULL) {
-        diagnostics->e_y = y - y_ref_held;
-        diagnostics->e_x = x_held - x_ref_held;
-        diagnostics->e_z = z_held - z_ref_held;
-        diagnostics->e_phi = phi - phi_ref_held;
-        diagnostics->e_theta = theta - theta_ref_held;
+        diagnostics->e_y = y - accepted->y_ref;
+        diagnostics->e_x = x_held - accepted->x_ref;
+        diagnostics->e_z = z_held - accepted->z_ref;
+        diagnostics->e_phi = e_phi;
+        diagnostics->e_theta = e_theta;
     }
-    return (maglev_5dof_precise_errors_t){.e_y = y - y_ref_held, .e_x = x_held - x_ref_held, .e_z = z_held - z_ref_held,
-        .e_phi = phi - phi_ref_held, .e_theta = theta - theta_ref_held};
+    return (maglev_5dof_precise_errors_t){.e_y = y - accepted->y_ref, .e_x = x_held - accepted->x_ref, .e_z = z_held -
+        accepted->z_ref, .e_phi = e_phi, .e_theta = e_theta};
 }
 
 typedef struct {
@@ -1108,18 +1117,18 @@ MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_preci
     const float r_2 = state->r;
     state->r = ref_held;
     const float moved = ref_held - r_2;
-    float step_feedforward = 0.0f;
+    float w_tracking_choice = 0.0f;
     if (fabsf(moved) <= parameters->largest_step) {
-        step_feedforward = parameters->k_step * moved;
+        w_tracking_choice = parameters->k_step * moved;
     }
-    const float feedback = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
-        step_feedforward + (parameters->k_sum * sum) + (parameters->k_p1 * p1) + (parameters->k_q1 * q1) +
+    const float w_tracking_sum = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
+        w_tracking_choice + (parameters->k_sum * sum) + (parameters->k_p1 * p1) + (parameters->k_q1 * q1) +
         (parameters->k_p2 * p2) + (parameters->k_q2 * q2) + (parameters->k_p3 * p3) + (parameters->k_q3 * q3);
-    float cancellation = 0.0f;
+    float w_tracking_choice_2 = 0.0f;
     if (ready != 0u) {
-        cancellation = cancelled * w_y_tracking_choice;
+        w_tracking_choice_2 = cancelled * w_y_tracking_choice;
     }
-    return feedback - cancellation;
+    return w_tracking_sum - w_tracking_choice_2;
 }
 
 typedef struct {
@@ -1172,8 +1181,8 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_observer_fast_t
 
 /* servo_phi_fast: predictive servo with internal models */
 MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_phi_fast(maglev_5dof_precise_servo_phi_fast_state_t *state,
-    float phi_fast_ahead, float phi_ref_held, float phi_fast_rate_ahead, uint32_t ready, float w_phi_tracking_choice,
-    float e_phi, maglev_5dof_precise_diagnostics_t *diagnostics)
+    const maglev_5dof_precise_observer_fast_t *observer_phi_fast, float phi_ref_held, uint32_t ready, float e_phi,
+    maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const float k_e = -711.21704f; /* 1/s^2; predictive servo with internal models: gain on e */
     static const float k_de = -80.14009f; /* 1/s; predictive servo with internal models: gain on de */
@@ -1206,20 +1215,21 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_phi_fast(maglev_5dof_
     const float r_2 = state->r;
     state->r = phi_ref_held;
     const float moved = phi_ref_held - r_2;
-    float step_feedforward = 0.0f;
+    float w_phi_tracking_choice_2 = 0.0f;
     if (fabsf(moved) <= largest) {
-        step_feedforward = k_step * moved;
+        w_phi_tracking_choice_2 = k_step * moved;
     }
-    const float feedback = (k_e * (phi_fast_ahead - phi_ref_held)) + (k_de * phi_fast_rate_ahead) - step_feedforward +
-        (k_sum * sum) + (k_p1 * p1) + (k_q1 * q1);
-    float cancellation = 0.0f;
+    const float w_phi_tracking_sum = (k_e * (observer_phi_fast->fast_ahead - phi_ref_held)) + (k_de *
+        observer_phi_fast->fast_rate_ahead) - w_phi_tracking_choice_2 + (k_sum * sum) + (k_p1 * p1) + (k_q1 * q1);
+    float w_phi_tracking_choice_3 = 0.0f;
     if (ready != 0u) {
-        cancellation = cancelled * w_phi_tracking_choice;
+        w_phi_tracking_choice_3 = cancelled * observer_phi_fast->value;
     }
+    const float w_phi_tracking = w_phi_tracking_sum - w_phi_tracking_choice_3;
     if (diagnostics != NULL) {
-        diagnostics->w_phi_tracking = feedback - cancellation;
+        diagnostics->w_phi_tracking = w_phi_tracking;
     }
-    return feedback - cancellation;
+    return w_phi_tracking;
 }
 
 typedef struct {
@@ -1233,12 +1243,12 @@ typedef struct {
 
 /* landing: ramps and state feedback
  * No integrator takes part, so nothing winds up: the disturbance of the observer does its work. */
-MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_landing_t
-    maglev_5dof_precise_landing(maglev_5dof_precise_landing_state_t *state, bool regular, uint32_t ready, float phi,
-    float w_phi_tracking, bool theta_measured, float theta_rate_if_ready, float theta_estimate, float theta_disturbance,
-    float w_theta_tracking, float x_estimate, float x_rate, float x_disturbance, float w_x_tracking, float y_estimate,
-    float y_rate, float y_disturbance, float w_y_tracking, float z_estimate, float z_rate, float z_disturbance,
-    float w_z_tracking, maglev_5dof_precise_diagnostics_t *diagnostics)
+MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_landing_t maglev_5dof_precise_landing(maglev_5dof_precise_landing_state_t
+    *state, const maglev_5dof_precise_redundancy_update_t *redundancy_update, uint32_t ready, float phi,
+    float w_phi_tracking, const maglev_5dof_precise_observer_theta_t *observer_theta, float w_theta_tracking, const
+    maglev_5dof_precise_observer_t *observer_x, float w_x_tracking, const maglev_5dof_precise_observer_y_t *observer_y,
+    float w_y_tracking, const maglev_5dof_precise_observer_t *observer_z, float w_z_tracking,
+    maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const uint32_t good_per_bad = 4u;                    /* 1; good samples that make up for a bad one */
     static const float spring_phi = 11250.0f;                   /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
@@ -1265,7 +1275,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_landing_t
     static const float acceleration_step = 0.004f;              /* m/s; T times 4 m/s^2 of the ramp; of x, z */
 
     const uint32_t left = state->left;
-    const bool waiting = !regular && (ready != 0u);
+    const bool waiting = !redundancy_update->regular && (ready != 0u);
     const bool left_at_most_4 = left <= good_per_bad;
     if (waiting) {
         if (!left_at_most_4) {
@@ -1289,18 +1299,19 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_landing_t
     float w_y = w_y_tracking;
     float w_z_unprobed = w_z_tracking;
     if (landing_2 != 0u) {
-        const float levelling_pole_theta = (theta_measured) ? pole_theta : predicted_pole_theta;
+        const float levelling_pole_theta = (redundancy_update->theta_measured) ? pole_theta : predicted_pole_theta;
         float damping_theta = 0.0f;
         if (ready != 0u) {
-            damping_theta = 2.0f * (levelling_pole_theta * theta_rate_if_ready);
+            damping_theta = 2.0f * (levelling_pole_theta * observer_theta->theta_rate_if_ready);
         }
-        w_theta = -((levelling_pole_theta * levelling_pole_theta * theta_estimate) + damping_theta + theta_disturbance);
-        const float y_estimate_min_ramp_end = maglev_5dof_precise_min(y_estimate, ramp_end);
-        float ramp_x = x_estimate;
+        w_theta = -((levelling_pole_theta * levelling_pole_theta * observer_theta->theta_estimate) + damping_theta +
+            observer_theta->theta_disturbance);
+        const float y_estimate_min_ramp_end = maglev_5dof_precise_min(observer_y->y_estimate, ramp_end);
+        float ramp_x = observer_x->estimate;
         float ramp_rate_x;
         float ramp_y = y_estimate_min_ramp_end;
-        float ramp_rate_y = y_rate;
-        float ramp_z = z_estimate;
+        float ramp_rate_y = observer_y->y_rate;
+        float ramp_z = observer_z->estimate;
         float ramp_rate_z;
         if (landing != 0u) {
             ramp_x = state->r_x;
@@ -1310,19 +1321,21 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_landing_t
             ramp_z = state->r_z;
             ramp_rate_z = state->dr_z;
         } else {
-            ramp_rate_x = maglev_5dof_precise_limit(x_rate, ramp_rate_bound);
-            ramp_rate_z = maglev_5dof_precise_limit(z_rate, ramp_rate_bound);
+            ramp_rate_x = maglev_5dof_precise_limit(observer_x->rate, ramp_rate_bound);
+            ramp_rate_z = maglev_5dof_precise_limit(observer_z->rate, ramp_rate_bound);
         }
-        w_x_unprobed = (stiffness * (ramp_x - x_estimate)) + (damping * (ramp_rate_x - x_rate)) +
-            (maglev_5dof_precise_limit(-inverse_T * ramp_rate_x, acceleration) - x_disturbance);
-        w_z_unprobed = (stiffness * (ramp_z - z_estimate)) + (damping * (ramp_rate_z - z_rate)) +
-            (maglev_5dof_precise_limit(-inverse_T * ramp_rate_z, acceleration) - z_disturbance);
+        w_x_unprobed = (stiffness * (ramp_x - observer_x->estimate)) + (damping * (ramp_rate_x - observer_x->rate)) +
+            (maglev_5dof_precise_limit(-inverse_T * ramp_rate_x, acceleration) - observer_x->disturbance);
+        w_z_unprobed = (stiffness * (ramp_z - observer_z->estimate)) + (damping * (ramp_rate_z - observer_z->rate)) +
+            (maglev_5dof_precise_limit(-inverse_T * ramp_rate_z, acceleration) - observer_z->disturbance);
         const float ramp_rate_next_x = maglev_5dof_precise_slew(ramp_rate_x, 0.0f, acceleration_step);
         state->dr_x = ramp_rate_next_x;
         const float ramp_target_y = maglev_5dof_precise_max(maglev_5dof_precise_min(touch_speed +
             (approach * (stop - ramp_y)), largest_speed), press_speed);
-        w_y = (stiffness_y * (ramp_y - y_estimate)) + (damping_y * (ramp_rate_y - y_rate)) +
-            (maglev_5dof_precise_limit(inverse_T * (ramp_target_y - ramp_rate_y), acceleration_y) - y_disturbance);
+        const float w_y_sum = maglev_5dof_precise_limit(inverse_T * (ramp_target_y - ramp_rate_y), acceleration_y) -
+            observer_y->y_disturbance;
+        w_y = (stiffness_y * (ramp_y - observer_y->y_estimate)) + (damping_y * (ramp_rate_y - observer_y->y_rate)) +
+            w_y_sum;
         const float ramp_rate_next_y = maglev_5dof_precise_slew(ramp_rate_y, ramp_target_y, acceleration_step_y);
         state->dr_y = ramp_rate_next_y;
         const float ramp_rate_next_z = maglev_5dof_precise_slew(ramp_rate_z, 0.0f, acceleration_step);
@@ -1333,8 +1346,8 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_landing_t
             state->r_z = maglev_5dof_precise_limit(ramp_z + (half_T * (ramp_rate_z + ramp_rate_next_z)), bound);
         } else {
             state->r_y = y_estimate_min_ramp_end;
-            state->r_x = x_estimate;
-            state->r_z = z_estimate;
+            state->r_x = observer_x->estimate;
+            state->r_z = observer_z->estimate;
         }
         state->dr_z = ramp_rate_next_z;
         w_phi = -spring_phi * phi;
@@ -1414,9 +1427,9 @@ typedef struct {
 } maglev_5dof_precise_inversion_t;
 
 /* inversion: exact inversion of F(2), (6), (7) */
-MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_inversion_t maglev_5dof_precise_inversion(float w_y, float y_fast_ahead,
-    float phi_fast_ahead, float w_z, float theta_fast_ahead, float w_x, float w_phi, float w_theta,
-    maglev_5dof_precise_diagnostics_t *diagnostics)
+MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_inversion_t
+    maglev_5dof_precise_inversion(const maglev_5dof_precise_landing_t *landing, float y_fast_ahead,
+    float phi_fast_ahead, float w_z, float theta_fast_ahead, float w_x, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
     static const float r = 0.397f;                              /* m; Table I */
@@ -1494,9 +1507,10 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_inversion_t maglev_5dof_precise_in
     const float motors_4_half_a = thrust_per_ampere_4_squared * half_a_over_h2_4;
     const float motors_4_half_c = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_quotient);
     const float half_4 = motors_4_half_a + (motors_4_half_c * i_q_2_4_squared);
-    const float half_force = (half_M_y * (w_y - G)) + (half_1 + half_2 + half_3 + half_4);
-    const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi_fast_ahead))) + (half_3 - half_1);
-    const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta_fast_ahead))) +
+    const float half_force = (half_M_y * (landing->w_y - G)) + (half_1 + half_2 + half_3 + half_4);
+    const float half_force_phi = (half_I_over_r * (landing->w_phi + (compensated_k_s_phi * phi_fast_ahead))) +
+        (half_3 - half_1);
+    const float half_force_theta = (half_I_over_r * (landing->w_theta + (compensated_k_s_theta * theta_fast_ahead))) +
         (half_2 - half_4);
     const float squares_2 = thrust_per_ampere_2_squared + (discriminant_factor * (motors_2_half_a * motors_2_half_c));
     const float s2 = 1.0f / squares_2;
@@ -1564,18 +1578,17 @@ typedef struct {
  * at most from 3.5 A to 1.45 A beside 3.5 A of thrust. */
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_handover_t
     maglev_5dof_precise_handover(maglev_5dof_precise_handover_state_t *state, bool lost_x, bool lost_z,
-    float y_expected, bool x_trusted, bool z_trusted, float i_d1_balanced, float i_d3_balanced, float u_x_computed,
-    float i_d2_balanced, float i_d4_balanced, float u_z_computed)
+    float y_expected, bool x_trusted, bool z_trusted, const maglev_5dof_precise_inversion_t *inversion)
 {
     static const float held_by_spring = 0.022f;                 /* m; at smaller gaps theta needs the motors along X */
     static const float fade_step = 0.04f; /* 1; 1 / 25: a handover, and a fade, takes 25 samples */
     static const float current_limit = 4.9497476f;              /* A; largest current of a motor, rms: 7 A peak */
 
     const float transfer = state->transfer;
-    float i_d1_computed = i_d1_balanced;
-    float i_d2_computed = i_d2_balanced;
-    float i_d3_computed = i_d3_balanced;
-    float i_d4_computed = i_d4_balanced;
+    float i_d1_computed = inversion->i_d1_balanced;
+    float i_d2_computed = inversion->i_d2_balanced;
+    float i_d3_computed = inversion->i_d3_balanced;
+    float i_d4_computed = inversion->i_d4_balanced;
     if (lost_x || lost_z || (0.0f < (transfer * transfer))) {
         const float target = (lost_x && (lost_z || (y_expected < held_by_spring))) ? transfer :
             ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f);
@@ -1585,16 +1598,16 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_handover_t
         const float part = fabsf(faded_transfer);
         const float part_x = (of_x) ? part : 0.0f;
         const float part_z = (of_x) ? 0.0f : part;
-        const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-        const float room_x = current_limit - fabsf(u_x_computed);
+        const float handed_x = 0.5f * (part_z * (inversion->i_d1_balanced + inversion->i_d3_balanced));
+        const float room_x = current_limit - fabsf(inversion->u_x_computed);
         const float remainder_x = 1.0f - part_x;
-        i_d2_computed = remainder_x * maglev_5dof_precise_limit(i_d2_balanced + handed_x, room_x);
-        i_d4_computed = remainder_x * maglev_5dof_precise_limit(i_d4_balanced + handed_x, room_x);
-        const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
-        const float room_z = current_limit - fabsf(u_z_computed);
+        i_d2_computed = remainder_x * maglev_5dof_precise_limit(inversion->i_d2_balanced + handed_x, room_x);
+        i_d4_computed = remainder_x * maglev_5dof_precise_limit(inversion->i_d4_balanced + handed_x, room_x);
+        const float handed_z = 0.5f * (part_x * (inversion->i_d2_balanced + inversion->i_d4_balanced));
+        const float room_z = current_limit - fabsf(inversion->u_z_computed);
         const float remainder_z = 1.0f - part_z;
-        i_d1_computed = remainder_z * maglev_5dof_precise_limit(i_d1_balanced + handed_z, room_z);
-        i_d3_computed = remainder_z * maglev_5dof_precise_limit(i_d3_balanced + handed_z, room_z);
+        i_d1_computed = remainder_z * maglev_5dof_precise_limit(inversion->i_d1_balanced + handed_z, room_z);
+        i_d3_computed = remainder_z * maglev_5dof_precise_limit(inversion->i_d3_balanced + handed_z, room_z);
     }
     return (maglev_5dof_precise_handover_t){.i_d1_computed = i_d1_computed, .i_d2_computed = i_d2_computed,
         .i_d3_computed = i_d3_computed, .i_d4_computed = i_d4_computed};
@@ -1664,6 +1677,205 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_input_t maglev_5dof_precise_guard
     return accepted;
 }
 
+static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
+    .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
+    .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
+    .low = -0.0003f, .largest_error = 0.0003f};
+static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
+    .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+    .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f, .low = -0.001f,
+    .largest_error = 0.001f};
+static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
+    .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+    .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f, .low = -0.001f,
+    .largest_error = 0.001f};
+static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
+    .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
+    .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
+    .low = -0.0003f, .largest_error = 0.0003f};
+static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {.alpha = 0.6988058f,
+    .beta = 272.3178f, .gamma = 35832.543f, .low = -20.0f, .largest_disturbance = 20.0f, .low_2 = -0.1f,
+    .largest_position = 0.1f, .low_3 = -2.0f, .largest_rate = 2.0f};
+static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {.alpha = 0.6988058f,
+    .beta = 272.3178f, .gamma = 35832.543f, .low = -20.0f, .largest_disturbance = 20.0f, .low_2 = -0.1f,
+    .largest_position = 0.1f, .low_3 = -2.0f, .largest_rate = 2.0f};
+static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {.alpha = 0.6988058f,
+    .beta = 272.3178f, .gamma = 35832.543f, .low = -200.0f, .largest_disturbance = 200.0f, .low_2 = -0.02f,
+    .largest_position = 0.02f, .low_3 = -4.0f, .largest_rate = 4.0f};
+static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast = {.alpha = 0.5276334f,
+    .beta = 130.55266f, .gamma = 10823.077f, .low = -200.0f, .largest_disturbance = 200.0f, .low_2 = -0.031f,
+    .largest_position = 0.031f, .low_3 = -4.0f, .largest_rate = 4.0f};
+
+/* what the step does once it is latched */
+MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_latched(maglev_5dof_precise_state_t *state, bool landed, float
+    y, uint32_t faults_before_2, maglev_5dof_precise_output_t *out, maglev_5dof_precise_diagnostics_t *diagnostics)
+{
+    static const float rests_beyond = 0.0305f; /* m; beyond it, once landed, the body lies on the stop */
+
+    uint32_t fault_word;
+
+    const bool rests = landed && (rests_beyond <= y);
+    const maglev_5dof_precise_safe_output_latched_t safe_output_latched = maglev_5dof_precise_safe_output_latched(rests,
+        state->safe_output_last_i_d1, state->safe_output_last_i_d2, state->safe_output_last_i_d3,
+        state->safe_output_last_i_d4, state->safe_output_last_u_x, state->safe_output_last_u_z);
+    state->safe_output_last_i_d1 = safe_output_latched.last_i_d1_next;
+    out->i_d1 = safe_output_latched.last_i_d1_next;
+    state->safe_output_last_i_d2 = safe_output_latched.last_i_d2_next;
+    out->i_d2 = safe_output_latched.last_i_d2_next;
+    state->safe_output_last_i_d3 = safe_output_latched.last_i_d3_next;
+    out->i_d3 = safe_output_latched.last_i_d3_next;
+    state->safe_output_last_i_d4 = safe_output_latched.last_i_d4_next;
+    out->i_d4 = safe_output_latched.last_i_d4_next;
+    state->safe_output_last_u_x = safe_output_latched.last_u_x_next;
+    out->i_q2 = safe_output_latched.last_u_x_next;
+    out->i_q4 = safe_output_latched.last_u_x_next;
+    state->safe_output_last_u_z = safe_output_latched.last_u_z_next;
+    out->i_q1 = safe_output_latched.last_u_z_next;
+    out->i_q3 = safe_output_latched.last_u_z_next;
+    state->guard.latched = 1u;
+    fault_word = faults_before_2 | 0x80000000u;
+    if (diagnostics != NULL) {
+        diagnostics->rests = rests ? 1.0f : 0.0f;
+    }
+    return fault_word;
+}
+
+/* the law: what the step computes unless it is latched */
+MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_law(maglev_5dof_precise_state_t *state,
+    const maglev_5dof_precise_input_t *accepted, uint32_t guard_ready, const maglev_5dof_precise_redundancy_output_t
+    *redundancy_output, const maglev_5dof_precise_monitor_output_t *x_monitor_output, float observer_y_q,
+    const maglev_5dof_precise_monitor_output_t *z_monitor_output,
+    const maglev_5dof_precise_redundancy_output_2_t *redundancy_output_2, float y, bool lost_x, bool lost_z,
+    uint32_t faults_before_2, maglev_5dof_precise_output_t *out, maglev_5dof_precise_diagnostics_t *diagnostics)
+{
+    static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
+
+    uint32_t fault_word;
+
+    const uint32_t x_frozen = maglev_5dof_precise_monitor_update(&state->x_monitor, x_monitor_output, accepted->x);
+    const uint32_t z_frozen = maglev_5dof_precise_monitor_update(&state->z_monitor, z_monitor_output, accepted->z);
+    const maglev_5dof_precise_redundancy_update_t redundancy_update =
+        maglev_5dof_precise_redundancy_update(&state->redundancy, redundancy_output_2, z_monitor_output,
+        x_monitor_output, accepted, redundancy_output, diagnostics);
+
+    /* sufficiency: it can land, is probed */
+    const bool free = redundancy_update.regular && (observer_y_q < lifted);
+    const maglev_5dof_precise_kinematics_output_t kinematics_output =
+        maglev_5dof_precise_kinematics_output(redundancy_output_2, diagnostics);
+    const maglev_5dof_precise_errors_t errors = maglev_5dof_precise_errors(y, accepted, x_monitor_output->held,
+        z_monitor_output->held, &kinematics_output, diagnostics);
+
+    /* delay: delay of one sample */
+    const float delay_w_y_last = state->delay_w_y_last;
+    const maglev_5dof_precise_observer_y_t observer_y = maglev_5dof_precise_observer_y(&state->observer_y, guard_ready,
+        y, delay_w_y_last, diagnostics);
+    const maglev_5dof_precise_observer_y_fast_t observer_y_fast =
+        maglev_5dof_precise_observer_y_fast(&state->observer_y_fast, guard_ready, y, delay_w_y_last, diagnostics);
+    const float w_y_tracking = maglev_5dof_precise_servo_fast(&state->servo_y_fast, &servo_y_fast_servo_fast,
+        observer_y_fast.y_fast_ahead, accepted->y_ref, observer_y_fast.y_fast_rate_ahead, guard_ready,
+        observer_y_fast.value, errors.e_y);
+    const float delay_a_x_last = state->delay_a_x_last;
+    const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
+        x_monitor_output, x_frozen, delay_a_x_last);
+    const maglev_5dof_precise_observer_fast_t observer_x_fast =
+        maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
+        x_monitor_output->held, delay_a_x_last);
+    const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
+        observer_x_fast.fast_ahead, accepted->x_ref, observer_x_fast.fast_rate_ahead, guard_ready,
+        observer_x_fast.value, errors.e_x);
+    const float delay_a_z_last = state->delay_a_z_last;
+    const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
+        z_monitor_output, z_frozen, delay_a_z_last);
+    const maglev_5dof_precise_observer_fast_t observer_z_fast =
+        maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
+        z_monitor_output->held, delay_a_z_last);
+    const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
+        observer_z_fast.fast_ahead, accepted->z_ref, observer_z_fast.fast_rate_ahead, guard_ready,
+        observer_z_fast.value, errors.e_z);
+    const float delay_w_phi_last = state->delay_w_phi_last;
+    maglev_5dof_precise_observer_phi(&state->observer_phi, guard_ready, kinematics_output.phi, delay_w_phi_last,
+        diagnostics);
+    const maglev_5dof_precise_observer_fast_t observer_phi_fast =
+        maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
+        kinematics_output.phi, delay_w_phi_last);
+    const float w_phi_tracking = maglev_5dof_precise_servo_phi_fast(&state->servo_phi_fast, &observer_phi_fast,
+        accepted->phi_ref, guard_ready, errors.e_phi, diagnostics);
+    const float delay_w_theta_last = state->delay_w_theta_last;
+    const maglev_5dof_precise_observer_theta_t observer_theta =
+        maglev_5dof_precise_observer_theta(&state->observer_theta, guard_ready, kinematics_output.theta,
+        delay_w_theta_last, diagnostics);
+    const maglev_5dof_precise_observer_fast_t observer_theta_fast =
+        maglev_5dof_precise_observer_fast(&state->observer_theta_fast, &observer_theta_fast_observer_fast, guard_ready,
+        kinematics_output.theta, delay_w_theta_last);
+    const float w_theta_tracking = maglev_5dof_precise_servo_fast(&state->servo_theta_fast,
+        &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, accepted->theta_ref,
+        observer_theta_fast.fast_rate_ahead, guard_ready, observer_theta_fast.value, errors.e_theta);
+    const maglev_5dof_precise_landing_t landing = maglev_5dof_precise_landing(&state->landing, &redundancy_update,
+        guard_ready, kinematics_output.phi, w_phi_tracking, &observer_theta, w_theta_tracking, &observer_x,
+        w_x_tracking, &observer_y, w_y_tracking, &observer_z, w_z_tracking, diagnostics);
+    const float w_x = maglev_5dof_precise_probe(&state->probe_x, x_monitor_output->unchanged, landing.w_x_unprobed,
+        free, errors.e_x);
+    state->delay_w_y_last = landing.w_y;
+    state->delay_w_phi_last = landing.w_phi;
+    state->delay_w_theta_last = landing.w_theta;
+    if (landing.landing_next != 0u) {
+        fault_word = faults_before_2 | 0x40000000u;
+    } else {
+        fault_word = faults_before_2;
+    }
+    const float w_z = maglev_5dof_precise_probe(&state->probe_z, z_monitor_output->unchanged, landing.w_z_unprobed,
+        free, errors.e_z);
+    const maglev_5dof_precise_inversion_t inversion = maglev_5dof_precise_inversion(&landing,
+        observer_y_fast.y_fast_ahead, observer_phi_fast.fast_ahead, w_z, observer_theta_fast.fast_ahead, w_x,
+        diagnostics);
+    out->i_q2 = inversion.u_x_computed;
+    out->i_q4 = inversion.u_x_computed;
+    out->i_q1 = inversion.u_z_computed;
+    out->i_q3 = inversion.u_z_computed;
+    const maglev_5dof_precise_handover_t handover = maglev_5dof_precise_handover(&state->handover, lost_x, lost_z,
+        observer_y_q, x_monitor_output->trusted, z_monitor_output->trusted, &inversion);
+    state->safe_output_last_u_x = inversion.u_x_computed;
+    state->safe_output_last_u_z = inversion.u_z_computed;
+    state->delay_a_x_last = inversion.a_x;
+    state->delay_a_z_last = inversion.a_z;
+    out->i_d1 = handover.i_d1_computed;
+    out->i_d2 = handover.i_d2_computed;
+    out->i_d3 = handover.i_d3_computed;
+    state->safe_output_last_i_d1 = handover.i_d1_computed;
+    state->safe_output_last_i_d2 = handover.i_d2_computed;
+    state->safe_output_last_i_d3 = handover.i_d3_computed;
+    state->safe_output_last_i_d4 = handover.i_d4_computed;
+    out->i_d4 = handover.i_d4_computed;
+    if (diagnostics != NULL) {
+        diagnostics->x_unchanged = (float)x_monitor_output->unchanged;
+        diagnostics->x_frozen = (float)x_frozen;
+        diagnostics->z_unchanged = (float)z_monitor_output->unchanged;
+        diagnostics->z_frozen = (float)z_frozen;
+        diagnostics->free = free ? 1.0f : 0.0f;
+        diagnostics->w_y_tracking = w_y_tracking;
+        diagnostics->x_fast_ahead = observer_x_fast.fast_ahead;
+        diagnostics->x_fast_rate_ahead = observer_x_fast.fast_rate_ahead;
+        diagnostics->w_x_tracking = w_x_tracking;
+        diagnostics->z_fast_ahead = observer_z_fast.fast_ahead;
+        diagnostics->z_fast_rate_ahead = observer_z_fast.fast_rate_ahead;
+        diagnostics->w_z_tracking = w_z_tracking;
+        diagnostics->phi_fast_ahead = observer_phi_fast.fast_ahead;
+        diagnostics->phi_fast_rate_ahead = observer_phi_fast.fast_rate_ahead;
+        diagnostics->theta_fast_ahead = observer_theta_fast.fast_ahead;
+        diagnostics->theta_fast_rate_ahead = observer_theta_fast.fast_rate_ahead;
+        diagnostics->w_theta_tracking = w_theta_tracking;
+        diagnostics->x_estimate = observer_x.estimate;
+        diagnostics->x_rate = observer_x.rate;
+        diagnostics->x_disturbance = observer_x.disturbance;
+        diagnostics->z_estimate = observer_z.estimate;
+        diagnostics->z_rate = observer_z.rate;
+        diagnostics->z_disturbance = observer_z.disturbance;
+        diagnostics->w_x = w_x;
+        diagnostics->w_z = w_z;
+    }
+    return fault_word;
+}
+
 void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
 {
     /* A member that is not named is 0. */
@@ -1693,36 +1905,6 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
 {
     static const uint32_t most_attempts = 8u;                   /* 1; pairs without an answer: the sensor is frozen */
     static const float landed_at = 0.0314f; /* m; end of the ramp, behind the stop: landed, wherever the body is */
-    static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
-    static const float rests_beyond = 0.0305f; /* m; beyond it, once landed, the body lies on the stop */
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
-        .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
-        .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
-        .low = -0.0003f, .largest_error = 0.0003f};
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
-        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
-        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-        .low = -0.001f, .largest_error = 0.001f};
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
-        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
-        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
-        .low = -0.001f, .largest_error = 0.001f};
-    static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
-        .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
-        .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
-        .low = -0.0003f, .largest_error = 0.0003f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .gamma = 35832.543f, .low = -20.0f, .largest_disturbance = 20.0f, .low_2 = -0.1f,
-        .largest_position = 0.1f, .low_3 = -2.0f, .largest_rate = 2.0f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .gamma = 35832.543f, .low = -20.0f, .largest_disturbance = 20.0f, .low_2 = -0.1f,
-        .largest_position = 0.1f, .low_3 = -2.0f, .largest_rate = 2.0f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {.alpha = 0.6988058f,
-        .beta = 272.3178f, .gamma = 35832.543f, .low = -200.0f, .largest_disturbance = 200.0f, .low_2 = -0.02f,
-        .largest_position = 0.02f, .low_3 = -4.0f, .largest_rate = 4.0f};
-    static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
-        {.alpha = 0.5276334f, .beta = 130.55266f, .gamma = 10823.077f, .low = -200.0f, .largest_disturbance = 200.0f,
-        .low_2 = -0.031f, .largest_position = 0.031f, .low_3 = -4.0f, .largest_rate = 4.0f};
 
     if (diagnostics != NULL) {
         diagnostics->samples += 1u;
@@ -1737,8 +1919,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
     const maglev_5dof_precise_guard_output_t guard_output = maglev_5dof_precise_guard_output(&state->guard,
         guard_latched, missed_calls);
     const maglev_5dof_precise_redundancy_output_t redundancy_output =
-        maglev_5dof_precise_redundancy_output(&state->redundancy, guard_ready, complete, accepted.y1, accepted.y2,
-        accepted.y3, accepted.y4, diagnostics);
+        maglev_5dof_precise_redundancy_output(&state->redundancy, guard_ready, complete, &accepted, diagnostics);
     const uint32_t probe_x_attempt = state->probe_x.attempt;
     const bool x_unanswered = most_attempts <= probe_x_attempt;
     const bool in_time = guard_output.judging && (fabsf(missed_calls) <= 0.0f);
@@ -1754,12 +1935,8 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
         state->observer_z.q, accepted.z, in_time, guard_ready, z_unanswered, redundancy_output.sound,
         (faults & 0x00000020u) == 0u);
     const maglev_5dof_precise_redundancy_output_2_t redundancy_output_2 =
-        maglev_5dof_precise_redundancy_output_2(&state->redundancy, accepted.y1, accepted.y2, accepted.y3, accepted.y4,
-        gap_prediction.y1_expected, gap_prediction.y2_expected, gap_prediction.y3_expected, gap_prediction.y4_expected,
-        redundancy_output.still_y1_next, redundancy_output.still_y2_next, redundancy_output.still_y3_next,
-        redundancy_output.still_y4_next, redundancy_output.sound, x_monitor_output.usual, z_monitor_output.usual,
-        faults, guard_ready, redundancy_output.same_y1, redundancy_output.same_y2, redundancy_output.same_y3,
-        redundancy_output.same_y4, diagnostics);
+        maglev_5dof_precise_redundancy_output_2(&state->redundancy, &accepted, &gap_prediction, &redundancy_output,
+        x_monitor_output.usual, z_monitor_output.usual, faults, guard_ready, diagnostics);
     const uint32_t landing_landing_2 = state->landing.landing;
     const bool landed = (landing_landing_2 != 0u) && (landed_at <= state->landing.r_y);
 
@@ -1768,8 +1945,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
         (x_monitor_output.trusted || z_monitor_output.trusted);
     const maglev_5dof_precise_guard_update_t guard_update = maglev_5dof_precise_guard_update(&state->guard, landed,
         sufficient, complete, guard_latched);
-    const float y = maglev_5dof_precise_kinematics_update(redundancy_output_2.y1_held, redundancy_output_2.y2_held,
-        redundancy_output_2.y3_held, redundancy_output_2.y4_held, diagnostics);
+    const float y = maglev_5dof_precise_kinematics_update(&redundancy_output_2, diagnostics);
     const bool lost_x = !x_monitor_output.trusted;
     const bool lost_z = !z_monitor_output.trusted;
     const maglev_5dof_precise_angles_t angles = maglev_5dof_precise_angles(guard_update.latched, lost_x,
@@ -1806,172 +1982,11 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
     const uint32_t faults_before_2 = (guard_output.tolerated) ? value : (value | 0x00040000u);
     uint32_t fault_word;
     if (guard_update.latched != 0u) {
-        const bool rests = landed && (rests_beyond <= y);
-        const maglev_5dof_precise_safe_output_latched_t safe_output_latched =
-            maglev_5dof_precise_safe_output_latched(rests, state->safe_output_last_i_d1, state->safe_output_last_i_d2,
-            state->safe_output_last_i_d3, state->safe_output_last_i_d4, state->safe_output_last_u_x,
-            state->safe_output_last_u_z);
-        state->safe_output_last_i_d1 = safe_output_latched.last_i_d1_next;
-        out->i_d1 = safe_output_latched.last_i_d1_next;
-        state->safe_output_last_i_d2 = safe_output_latched.last_i_d2_next;
-        out->i_d2 = safe_output_latched.last_i_d2_next;
-        state->safe_output_last_i_d3 = safe_output_latched.last_i_d3_next;
-        out->i_d3 = safe_output_latched.last_i_d3_next;
-        state->safe_output_last_i_d4 = safe_output_latched.last_i_d4_next;
-        out->i_d4 = safe_output_latched.last_i_d4_next;
-        state->safe_output_last_u_x = safe_output_latched.last_u_x_next;
-        out->i_q2 = safe_output_latched.last_u_x_next;
-        out->i_q4 = safe_output_latched.last_u_x_next;
-        state->safe_output_last_u_z = safe_output_latched.last_u_z_next;
-        out->i_q1 = safe_output_latched.last_u_z_next;
-        out->i_q3 = safe_output_latched.last_u_z_next;
-        state->guard.latched = 1u;
-        fault_word = faults_before_2 | 0x80000000u;
-        if (diagnostics != NULL) {
-            diagnostics->rests = rests ? 1.0f : 0.0f;
-        }
+        fault_word = maglev_5dof_precise_latched(state, landed, y, faults_before_2, out, diagnostics);
     } else {
-        const uint32_t x_frozen = maglev_5dof_precise_monitor_update(&state->x_monitor, x_monitor_output.jumping,
-            x_monitor_output.out_of_use, accepted.x, x_monitor_output.unchanged, x_monitor_output.above_gate,
-            x_monitor_output.far, x_monitor_output.same, x_monitor_output.believed, x_monitor_output.before_next);
-        const uint32_t z_frozen = maglev_5dof_precise_monitor_update(&state->z_monitor, z_monitor_output.jumping,
-            z_monitor_output.out_of_use, accepted.z, z_monitor_output.unchanged, z_monitor_output.above_gate,
-            z_monitor_output.far, z_monitor_output.same, z_monitor_output.believed, z_monitor_output.before_next);
-        const maglev_5dof_precise_redundancy_update_t redundancy_update =
-            maglev_5dof_precise_redundancy_update(&state->redundancy, redundancy_output_2.calm,
-            z_monitor_output.trusted, x_monitor_output.trusted, redundancy_output_2.whole, redundancy_output_2.agrees,
-            redundancy_output_2.decided, redundancy_output_2.waited, redundancy_output_2.enough,
-            redundancy_output_2.doubted, accepted.y1, redundancy_output.still_y1_next, redundancy_output_2.isolated_y1,
-            redundancy_output_2.readmitted_y1, accepted.y2, redundancy_output.still_y2_next,
-            redundancy_output_2.isolated_y2, redundancy_output_2.readmitted_y2, accepted.y3,
-            redundancy_output.still_y3_next, redundancy_output_2.isolated_y3, redundancy_output_2.readmitted_y3,
-            accepted.y4, redundancy_output.still_y4_next, redundancy_output_2.isolated_y4,
-            redundancy_output_2.readmitted_y4, redundancy_output_2.repeats_y1, redundancy_output_2.repeats_y2,
-            redundancy_output_2.repeats_y3, redundancy_output_2.repeats_y4, z_monitor_output.suspect,
-            x_monitor_output.suspect, redundancy_output_2.suspect_y4, redundancy_output_2.suspect_y3,
-            redundancy_output_2.suspect_y2, redundancy_output_2.suspect_y1, diagnostics);
-        const bool free = redundancy_update.regular && (observer_y_q < lifted);
-        const maglev_5dof_precise_kinematics_output_t kinematics_output =
-            maglev_5dof_precise_kinematics_output(redundancy_output_2.y3_held, redundancy_output_2.y1_held,
-            redundancy_output_2.y2_held, redundancy_output_2.y4_held, diagnostics);
-        const maglev_5dof_precise_errors_t errors = maglev_5dof_precise_errors(y, accepted.y_ref, x_monitor_output.held,
-            accepted.x_ref, z_monitor_output.held, accepted.z_ref, kinematics_output.phi, accepted.phi_ref,
-            kinematics_output.theta, accepted.theta_ref, diagnostics);
-
-        /* delay: delay of one sample */
-        const float delay_w_y_last = state->delay_w_y_last;
-        const maglev_5dof_precise_observer_y_t observer_y = maglev_5dof_precise_observer_y(&state->observer_y,
-            guard_ready, y, delay_w_y_last, diagnostics);
-        const maglev_5dof_precise_observer_y_fast_t observer_y_fast =
-            maglev_5dof_precise_observer_y_fast(&state->observer_y_fast, guard_ready, y, delay_w_y_last, diagnostics);
-        const float w_y_tracking = maglev_5dof_precise_servo_fast(&state->servo_y_fast, &servo_y_fast_servo_fast,
-            observer_y_fast.y_fast_ahead, accepted.y_ref, observer_y_fast.y_fast_rate_ahead, guard_ready,
-            observer_y_fast.value, errors.e_y);
-        const float delay_a_x_last = state->delay_a_x_last;
-        const maglev_5dof_precise_observer_t observer_x = maglev_5dof_precise_observer(&state->observer_x, guard_ready,
-            x_monitor_output.trusted, x_monitor_output.held, x_frozen, delay_a_x_last, x_monitor_output.unchanged);
-        const maglev_5dof_precise_observer_fast_t observer_x_fast =
-            maglev_5dof_precise_observer_fast(&state->observer_x_fast, &observer_x_fast_observer_fast, guard_ready,
-            x_monitor_output.held, delay_a_x_last);
-        const float w_x_tracking = maglev_5dof_precise_servo_fast(&state->servo_x_fast, &servo_x_fast_servo_fast,
-            observer_x_fast.fast_ahead, accepted.x_ref, observer_x_fast.fast_rate_ahead, guard_ready,
-            observer_x_fast.value, errors.e_x);
-        const float delay_a_z_last = state->delay_a_z_last;
-        const maglev_5dof_precise_observer_t observer_z = maglev_5dof_precise_observer(&state->observer_z, guard_ready,
-            z_monitor_output.trusted, z_monitor_output.held, z_frozen, delay_a_z_last, z_monitor_output.unchanged);
-        const maglev_5dof_precise_observer_fast_t observer_z_fast =
-            maglev_5dof_precise_observer_fast(&state->observer_z_fast, &observer_z_fast_observer_fast, guard_ready,
-            z_monitor_output.held, delay_a_z_last);
-        const float w_z_tracking = maglev_5dof_precise_servo_fast(&state->servo_z_fast, &servo_z_fast_servo_fast,
-            observer_z_fast.fast_ahead, accepted.z_ref, observer_z_fast.fast_rate_ahead, guard_ready,
-            observer_z_fast.value, errors.e_z);
-        const float delay_w_phi_last = state->delay_w_phi_last;
-        maglev_5dof_precise_observer_phi(&state->observer_phi, guard_ready, kinematics_output.phi, delay_w_phi_last,
+        fault_word = maglev_5dof_precise_law(state, &accepted, guard_ready, &redundancy_output, &x_monitor_output,
+            observer_y_q, &z_monitor_output, &redundancy_output_2, y, lost_x, lost_z, faults_before_2, out,
             diagnostics);
-        const maglev_5dof_precise_observer_fast_t observer_phi_fast =
-            maglev_5dof_precise_observer_fast(&state->observer_phi_fast, &observer_phi_fast_observer_fast, guard_ready,
-            kinematics_output.phi, delay_w_phi_last);
-        const float w_phi_tracking = maglev_5dof_precise_servo_phi_fast(&state->servo_phi_fast,
-            observer_phi_fast.fast_ahead, accepted.phi_ref, observer_phi_fast.fast_rate_ahead, guard_ready,
-            observer_phi_fast.value, errors.e_phi, diagnostics);
-        const float delay_w_theta_last = state->delay_w_theta_last;
-        const maglev_5dof_precise_observer_theta_t observer_theta =
-            maglev_5dof_precise_observer_theta(&state->observer_theta, guard_ready, kinematics_output.theta,
-            delay_w_theta_last, diagnostics);
-        const maglev_5dof_precise_observer_fast_t observer_theta_fast =
-            maglev_5dof_precise_observer_fast(&state->observer_theta_fast, &observer_theta_fast_observer_fast,
-            guard_ready, kinematics_output.theta, delay_w_theta_last);
-        const float w_theta_tracking = maglev_5dof_precise_servo_fast(&state->servo_theta_fast,
-            &servo_theta_fast_servo_fast, observer_theta_fast.fast_ahead, accepted.theta_ref,
-            observer_theta_fast.fast_rate_ahead, guard_ready, observer_theta_fast.value, errors.e_theta);
-        const maglev_5dof_precise_landing_t landing = maglev_5dof_precise_landing(&state->landing,
-            redundancy_update.regular, guard_ready, kinematics_output.phi, w_phi_tracking,
-            redundancy_update.theta_measured, observer_theta.theta_rate_if_ready, observer_theta.theta_estimate,
-            observer_theta.theta_disturbance, w_theta_tracking, observer_x.estimate, observer_x.rate,
-            observer_x.disturbance, w_x_tracking, observer_y.y_estimate, observer_y.y_rate, observer_y.y_disturbance,
-            w_y_tracking, observer_z.estimate, observer_z.rate, observer_z.disturbance, w_z_tracking, diagnostics);
-        const float w_x = maglev_5dof_precise_probe(&state->probe_x, x_monitor_output.unchanged, landing.w_x_unprobed,
-            free, errors.e_x);
-        state->delay_w_y_last = landing.w_y;
-        state->delay_w_phi_last = landing.w_phi;
-        state->delay_w_theta_last = landing.w_theta;
-        if (landing.landing_next != 0u) {
-            fault_word = faults_before_2 | 0x40000000u;
-        } else {
-            fault_word = faults_before_2;
-        }
-        const float w_z = maglev_5dof_precise_probe(&state->probe_z, z_monitor_output.unchanged, landing.w_z_unprobed,
-            free, errors.e_z);
-        const maglev_5dof_precise_inversion_t inversion = maglev_5dof_precise_inversion(landing.w_y,
-            observer_y_fast.y_fast_ahead, observer_phi_fast.fast_ahead, w_z, observer_theta_fast.fast_ahead, w_x,
-            landing.w_phi, landing.w_theta, diagnostics);
-        out->i_q2 = inversion.u_x_computed;
-        out->i_q4 = inversion.u_x_computed;
-        out->i_q1 = inversion.u_z_computed;
-        out->i_q3 = inversion.u_z_computed;
-        const maglev_5dof_precise_handover_t handover = maglev_5dof_precise_handover(&state->handover, lost_x, lost_z,
-            observer_y_q, x_monitor_output.trusted, z_monitor_output.trusted, inversion.i_d1_balanced,
-            inversion.i_d3_balanced, inversion.u_x_computed, inversion.i_d2_balanced, inversion.i_d4_balanced,
-            inversion.u_z_computed);
-        state->safe_output_last_u_x = inversion.u_x_computed;
-        state->safe_output_last_u_z = inversion.u_z_computed;
-        state->delay_a_x_last = inversion.a_x;
-        state->delay_a_z_last = inversion.a_z;
-        out->i_d1 = handover.i_d1_computed;
-        out->i_d2 = handover.i_d2_computed;
-        out->i_d3 = handover.i_d3_computed;
-        state->safe_output_last_i_d1 = handover.i_d1_computed;
-        state->safe_output_last_i_d2 = handover.i_d2_computed;
-        state->safe_output_last_i_d3 = handover.i_d3_computed;
-        state->safe_output_last_i_d4 = handover.i_d4_computed;
-        out->i_d4 = handover.i_d4_computed;
-        if (diagnostics != NULL) {
-            diagnostics->x_unchanged = (float)x_monitor_output.unchanged;
-            diagnostics->x_frozen = (float)x_frozen;
-            diagnostics->z_unchanged = (float)z_monitor_output.unchanged;
-            diagnostics->z_frozen = (float)z_frozen;
-            diagnostics->free = free ? 1.0f : 0.0f;
-            diagnostics->w_y_tracking = w_y_tracking;
-            diagnostics->x_fast_ahead = observer_x_fast.fast_ahead;
-            diagnostics->x_fast_rate_ahead = observer_x_fast.fast_rate_ahead;
-            diagnostics->w_x_tracking = w_x_tracking;
-            diagnostics->z_fast_ahead = observer_z_fast.fast_ahead;
-            diagnostics->z_fast_rate_ahead = observer_z_fast.fast_rate_ahead;
-            diagnostics->w_z_tracking = w_z_tracking;
-            diagnostics->phi_fast_ahead = observer_phi_fast.fast_ahead;
-            diagnostics->phi_fast_rate_ahead = observer_phi_fast.fast_rate_ahead;
-            diagnostics->theta_fast_ahead = observer_theta_fast.fast_ahead;
-            diagnostics->theta_fast_rate_ahead = observer_theta_fast.fast_rate_ahead;
-            diagnostics->w_theta_tracking = w_theta_tracking;
-            diagnostics->x_estimate = observer_x.estimate;
-            diagnostics->x_rate = observer_x.rate;
-            diagnostics->x_disturbance = observer_x.disturbance;
-            diagnostics->z_estimate = observer_z.estimate;
-            diagnostics->z_rate = observer_z.rate;
-            diagnostics->z_disturbance = observer_z.disturbance;
-            diagnostics->w_x = w_x;
-            diagnostics->w_z = w_z;
-        }
     }
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;

@@ -1,4 +1,5 @@
-/* maglev_5dof_precise_phase: one step every 0.001 s, float. Generated: do not edit.
+/* maglev_5dof_precise_phase: one step every 0.001 s, float. Generated: do not edit. What may fail and what follows:
+ * maglev_5dof_precise_phase.md.
  *
  * Call maglev_5dof_precise_phase_init once, then maglev_5dof_precise_phase_step once every 0.001 s with the inputs of
  * that sample. Nothing else may change the state.
@@ -8,20 +9,6 @@
  *
  * The three pointers must not be null and must point to objects that do not overlap. One state serves one machine;
  * steps on different states may run at the same time.
- *
- * A refused input is replaced by its last good value, and before its first good value by 2.5 A (i_d1, i_d2, i_d3,
- * i_d4), 0 A (i_q1, i_q2, i_q3, i_q4), 0 m (x_commutation, z_commutation).
- *
- * What may fail, and what follows:
- * what fails           | noticed by, and when              | used instead       | what follows
- * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * i_d1, i_d2, i_d3,    | bits 0 to 9; in that sample       | its last good      | the law goes on; never latches
- * i_d4, i_q1, i_q2,    |                                   | value              |
- * i_q3, i_q4,          |                                   |                    |
- * x_commutation or     |                                   |                    |
- * z_commutation not    |                                   |                    |
- * finite or outside    |                                   |                    |
- * its range            |                                   |                    |
  *
  * In each sample, call maglev_5dof_precise_step and then maglev_5dof_precise_phase_step: a step takes outputs of the
  * steps before it, and the outputs of the last one go to the hardware.
@@ -54,20 +41,7 @@
 extern "C" {
 #endif
 
-typedef struct {
-    /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
-    float transfer;
-    uint32_t unknown;                   /* 1, 0 .. 105: samples with both positions lost, less those with one */
-} maglev_5dof_precise_phase_commutation_state_t;
-
-typedef struct {
-    float last_x;                       /* m, -0.1 .. 0.1: one sample ago */
-    float last_z;                       /* m, -0.1 .. 0.1: one sample ago */
-    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
-    uint32_t left_x;
-    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
-    uint32_t left_z;
-} maglev_5dof_precise_phase_advance_state_t;
+typedef struct maglev_5dof_precise_phase_state maglev_5dof_precise_phase_state_t;
 
 typedef struct {
     float i_d1;                         /* A, -4.94975 .. 4.94975: direct current of motor 1, rms */
@@ -97,32 +71,6 @@ typedef struct {
     float i_c4;                         /* A, -9.90049 .. 9.90049: phase c of motor 4, instantaneous */
 } maglev_5dof_precise_phase_output_t;
 
-typedef struct {
-    maglev_5dof_precise_phase_advance_state_t advance;
-    maglev_5dof_precise_phase_commutation_state_t commutation;
-    float guard_last_i_d1;              /* A, -4.94975 .. 4.94975: last good value */
-    float guard_last_i_d2;              /* A, -4.94975 .. 4.94975: last good value */
-    float guard_last_i_d3;              /* A, -4.94975 .. 4.94975: last good value */
-    float guard_last_i_d4;              /* A, -4.94975 .. 4.94975: last good value */
-    float guard_last_i_q1;              /* A, -4.94975 .. 4.94975: last good value */
-    float guard_last_i_q2;              /* A, -4.94975 .. 4.94975: last good value */
-    float guard_last_i_q3;              /* A, -4.94975 .. 4.94975: last good value */
-    float guard_last_i_q4;              /* A, -4.94975 .. 4.94975: last good value */
-    float guard_last_x;                 /* m, -0.1 .. 0.1: last good value */
-    float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
-} maglev_5dof_precise_phase_state_t;
-
-/* The layout is the same on every target. */
-#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
-_Static_assert(sizeof(maglev_5dof_precise_phase_input_t) == 40u, "size of maglev_5dof_precise_phase_input_t");
-_Static_assert(sizeof(maglev_5dof_precise_phase_output_t) == 48u, "size of maglev_5dof_precise_phase_output_t");
-_Static_assert(sizeof(maglev_5dof_precise_phase_state_t) == 64u, "size of maglev_5dof_precise_phase_state_t");
-#else
-extern char maglev_5dof_precise_phase_input_size_is_40[(sizeof(maglev_5dof_precise_phase_input_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_precise_phase_output_size_is_48[(sizeof(maglev_5dof_precise_phase_output_t) == 48u) ? 1 : -1];
-extern char maglev_5dof_precise_phase_state_size_is_64[(sizeof(maglev_5dof_precise_phase_state_t) == 64u) ? 1 : -1];
-#endif
-
 /* Put the state to its initial values. The caller owns it. */
 void maglev_5dof_precise_phase_init(maglev_5dof_precise_phase_state_t *state);
 
@@ -143,6 +91,48 @@ void maglev_5dof_precise_phase_init(maglev_5dof_precise_phase_state_t *state);
  */
 uint32_t maglev_5dof_precise_phase_step(maglev_5dof_precise_phase_state_t *state,
     const maglev_5dof_precise_phase_input_t *in, maglev_5dof_precise_phase_output_t *out);
+
+/* What follows is for init and step alone: the state, by Block. */
+typedef struct {
+    /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    float transfer;
+    uint32_t unknown;                   /* 1, 0 .. 105: samples with both positions lost, less those with one */
+} maglev_5dof_precise_phase_commutation_state_t;
+
+typedef struct {
+    float last_x;                       /* m, -0.1 .. 0.1: one sample ago */
+    float last_z;                       /* m, -0.1 .. 0.1: one sample ago */
+    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    uint32_t left_x;
+    /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    uint32_t left_z;
+} maglev_5dof_precise_phase_advance_state_t;
+
+struct maglev_5dof_precise_phase_state {
+    maglev_5dof_precise_phase_advance_state_t advance;
+    maglev_5dof_precise_phase_commutation_state_t commutation;
+    float guard_last_i_d1;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_d2;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_d3;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_d4;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q1;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q2;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q3;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q4;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_x;                 /* m, -0.1 .. 0.1: last good value */
+    float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
+};
+
+/* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(maglev_5dof_precise_phase_input_t) == 40u, "size of maglev_5dof_precise_phase_input_t");
+_Static_assert(sizeof(maglev_5dof_precise_phase_output_t) == 48u, "size of maglev_5dof_precise_phase_output_t");
+_Static_assert(sizeof(maglev_5dof_precise_phase_state_t) == 64u, "size of maglev_5dof_precise_phase_state_t");
+#else
+extern char maglev_5dof_precise_phase_input_size_is_40[(sizeof(maglev_5dof_precise_phase_input_t) == 40u) ? 1 : -1];
+extern char maglev_5dof_precise_phase_output_size_is_48[(sizeof(maglev_5dof_precise_phase_output_t) == 48u) ? 1 : -1];
+extern char maglev_5dof_precise_phase_state_size_is_64[(sizeof(maglev_5dof_precise_phase_state_t) == 64u) ? 1 : -1];
+#endif
 
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
  * some. Set the struct to zero when you call init. */

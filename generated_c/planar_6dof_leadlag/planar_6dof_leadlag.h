@@ -1,4 +1,5 @@
-/* planar_6dof_leadlag: one step every 0.001 s, float. Generated: do not edit.
+/* planar_6dof_leadlag: one step every 0.001 s, float. Generated: do not edit. What may fail and what follows:
+ * planar_6dof_leadlag.md.
  *
  * Call planar_6dof_leadlag_init once, then planar_6dof_leadlag_step once every 0.001 s with the inputs of that sample.
  * Nothing else may change the state.
@@ -13,78 +14,17 @@
  * the machine in the 23 samples after the last of these, and latches in the next one until init, and the outputs move
  * to the safe output: i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
- * What this does to the machine:
- *   - the air bearings carry the platen, and without current no force acts on it
- *   - largest speeds and impacts after the latch, measured on 17 plants with each sensor lost in turn: at rest the
- *     machine reaches 0.00023 m/s (y) and 0.0034 rad/s (theta)
- *   - in motion the machine reaches 0.0051 m/s (x) and 0.093 rad/s (phi)
- *   - at rest, tilted, off the middle the machine reaches 0.0023 m/s (z) and 0.21 rad/s (phi)
- *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
- * A refused input is replaced by its last good value, and before its first good value by 0 m (d1, d2, d3, x_ref, y_ref,
- * z_ref), 0 rad (phi_ref, theta_ref, psi_ref).
- *
- * What may fail, and what follows:
- * what fails           | noticed by, and when              | used instead       | what follows
- * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * d1, d2 or d3 not     | bits 6 to 8; in that sample       | its last good      | the law goes on; 5 samples in a row,
- * finite or outside    |                                   | value              | of any of them: brakes for 23
- * its range            |                                   |                    | samples, then latches
- * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * V_ax, V_ay, V_bx,    | bits 0 to 5; in that sample       | none of the six    | the law goes on; 5 samples in a row,
- * V_by, V_cx or V_cy   |                                   | voltages: x, y and | of any of them: brakes for 23
- * not finite or        |                                   | yaw are predicted  | samples, then latches
- * outside its range    |                                   | (dead reckoning)   |
- * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * V_ax, V_ay, V_bx,    | bits 15 to 20; from the next      | none of the six    | counts as refused: 5 samples in a
- * V_by, V_cx or V_cy   | sample on                         | voltages: x, y and | row, of any of them: brakes for 23
- * contradicts the      |                                   | yaw are predicted  | samples, then latches; all Hall
- * others               |                                   | (dead reckoning)   | voltages stay refused until init, so
- *                      |                                   |                    | the latch follows
- * ---------------------+-----------------------------------+--------------------+--------------------------------------
- * x_ref, y_ref,        | bits 9 to 14; in that sample      | its last good      | the law goes on; never latches
- * phi_ref, z_ref,      |                                   | value              |
- * theta_ref or psi_ref |                                   |                    |
- * not finite or        |                                   |                    |
- * outside its range    |                                   |                    |
- *
  * At init the machine is at rest under the safe output, which acts until the first outputs of the step do.
- *
- * (n) is equation (n) of H. Yu, W.-J. Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable
- * Control Methodology".
  *
  * At init the platen is within half a pitch, 25.4 mm, of the middle in x and y, and its yaw is below 0.025 rad: the
  * Hall voltages repeat with each pitch, and the pitches are counted from there. After a latch move the platen there
- * before init.
- *
- * Before the first sample in which all Hall voltages are good no current is demanded, since x, y and the yaw are not
- * known. Six suspects at once can also mean a dead or reversed phase, a force that jumps by more than 3 N, or missed
- * calls. The force of a cable or a hose is learnt: up to 12 N in x and 20 N in y, applied within two seconds, set no
- * bit.
+ * before init. Before the first sample in which all Hall voltages are good no current is demanded.
  *
  * Calibrate the sensitivity of each Hall channel to 0.2 % and its offset to 2 mV: what a single channel is off by turns
- * the platen, by up to 6 mrad at the worst place of a pitch. With 0.5 % and 5 mV it turns by up to 15 mrad there, and
- * beyond 20 mrad while it starts. With 1 % and 5 mV in all channels a simulated stage hit its yaw stop in 17 of 48 runs
- * under the LQG law and in 6 of 48 under the lead-lag law. None of this sets a fault bit for certain. What all channels
- * share may be off by 10 %.
- *
- * Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the
- * first within 4 samples. Up to then no bit is set, the two samples are not used, and predictions take their place.
- * From then on the bits of the suspects are set, and all Hall voltages stay refused until init, even if they agree
- * again, so the latch follows.
- *
- * A Hall voltage with the same value 14 times in a row is frozen. One is watched at a time, so it becomes a suspect
- * after 30 samples, and one more for each value that a sound one repeats by chance. The first that is frozen is named;
- * the others are not examined. All Hall voltages then stay refused until init. Sound converters need noise: with 3
- * codes rms one is taken for frozen once in 90 years, with 2 twice a year. Simulated without noise, a platen at rest
- * latches.
- *
- * Named constants that follow from parameters of the plant, by parameter: b: allocation_front_share,
- * allocation_rear_share, b, loop_z_integral_input_times_allocation_z_share; c: allocation_front_share,
- * allocation_rear_share, c, loop_z_integral_input_times_allocation_z_share; laser_arm: half_over_laser_arm. Gains,
- * polynomials and bounds may follow from them too.
+ * the platen, by up to 6 mrad at the worst place of a pitch.
  *
  * The gains and numbers in planar_6dof_leadlag.c hold for one plant and one period: for other masses, geometry or
  * magnets, or another period, generate the files again. gains.json says where each gain comes from.
@@ -106,6 +46,73 @@
 extern "C" {
 #endif
 
+typedef struct planar_6dof_leadlag_state planar_6dof_leadlag_state_t;
+
+typedef struct {
+    float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
+    float V_ay;                         /* V, -5 .. 5: voltage of Hall sensor A along y */
+    float V_bx;                         /* V, -5 .. 5: voltage of Hall sensor B along x */
+    float V_by;                         /* V, -5 .. 5: voltage of Hall sensor B along y */
+    float V_cx;                         /* V, -5 .. 5: voltage of Hall sensor C along x */
+    float V_cy;                         /* V, -5 .. 5: voltage of Hall sensor C along y */
+    float d1;                           /* m, -0.0005 .. 0.0005: laser distance at the front left, up from nominal */
+    float d2;                           /* m, -0.0005 .. 0.0005: laser distance at the front right, up from nominal */
+    float d3;                           /* m, -0.0005 .. 0.0005: laser distance at the rear, up from nominal */
+    float x_ref;                        /* m, -0.11 .. 0.11: set-point of the position along X */
+    float y_ref;                        /* m, -0.1 .. 0.1: set-point of the position along Y */
+    float phi_ref;                      /* rad, -0.008 .. 0.008: set-point of the yaw */
+    float z_ref;                        /* m, -0.0002 .. 0.0002: set-point of the height */
+    float theta_ref;                    /* rad, -0.002 .. 0.002: set-point of the tilt about X */
+    float psi_ref;                      /* rad, -0.002 .. 0.002: set-point of the tilt about Y */
+} planar_6dof_leadlag_input_t;
+
+typedef struct {
+    float i_AA;                         /* A, -1.26 .. 1.26: phase A of motor A */
+    float i_AB;                         /* A, -1.26 .. 1.26: phase B of motor A */
+    float i_AC;                         /* A, -1.26 .. 1.26: phase C of motor A */
+    float i_BA;                         /* A, -1.26 .. 1.26: phase A of motor B */
+    float i_BB;                         /* A, -1.26 .. 1.26: phase B of motor B */
+    float i_BC;                         /* A, -1.26 .. 1.26: phase C of motor B */
+    float i_CA;                         /* A, -1.26 .. 1.26: phase A of motor C */
+    float i_CB;                         /* A, -1.26 .. 1.26: phase B of motor C */
+    float i_CC;                         /* A, -1.26 .. 1.26: phase C of motor C */
+} planar_6dof_leadlag_output_t;
+
+/* Put the state to its initial values. The caller owns it. */
+void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  V_ax: not finite or outside its range
+ *   bit  1  V_ay: not finite or outside its range
+ *   bit  2  V_bx: not finite or outside its range
+ *   bit  3  V_by: not finite or outside its range
+ *   bit  4  V_cx: not finite or outside its range
+ *   bit  5  V_cy: not finite or outside its range
+ *   bit  6  d1: not finite or outside its range
+ *   bit  7  d2: not finite or outside its range
+ *   bit  8  d3: not finite or outside its range
+ *   bit  9  x_ref: not finite or outside its range
+ *   bit 10  y_ref: not finite or outside its range
+ *   bit 11  phi_ref: not finite or outside its range
+ *   bit 12  z_ref: not finite or outside its range
+ *   bit 13  theta_ref: not finite or outside its range
+ *   bit 14  psi_ref: not finite or outside its range
+ *   bit 15  V_ax: contradicts other measurements or its prediction
+ *   bit 16  V_ay: contradicts other measurements or its prediction
+ *   bit 17  V_bx: contradicts other measurements or its prediction
+ *   bit 18  V_by: contradicts other measurements or its prediction
+ *   bit 19  V_cx: contradicts other measurements or its prediction
+ *   bit 20  V_cy: contradicts other measurements or its prediction
+ *   bit 29  all Hall voltages have another amplitude than the field
+ *   bit 30  a latch is certain: after the first sample with this bit it brakes for 23 samples, then latches; set until
+ *           init
+ *   bit 31  latched until init
+ */
+uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
+    planar_6dof_leadlag_output_t *out);
+
+/* What follows is for init and step alone: the state, by Block. */
 typedef struct {
     float last_i_AA;                    /* A, -1.26 .. 1.26: last output */
     float last_i_AB;                    /* A, -1.26 .. 1.26: last output */
@@ -183,37 +190,7 @@ typedef struct {
     uint32_t ready;                     /* 1, 0 .. 1: every measurement was good at once */
 } planar_6dof_leadlag_guard_state_t;
 
-typedef struct {
-    float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
-    float V_ay;                         /* V, -5 .. 5: voltage of Hall sensor A along y */
-    float V_bx;                         /* V, -5 .. 5: voltage of Hall sensor B along x */
-    float V_by;                         /* V, -5 .. 5: voltage of Hall sensor B along y */
-    float V_cx;                         /* V, -5 .. 5: voltage of Hall sensor C along x */
-    float V_cy;                         /* V, -5 .. 5: voltage of Hall sensor C along y */
-    float d1;                           /* m, -0.0005 .. 0.0005: laser distance at the front left, up from nominal */
-    float d2;                           /* m, -0.0005 .. 0.0005: laser distance at the front right, up from nominal */
-    float d3;                           /* m, -0.0005 .. 0.0005: laser distance at the rear, up from nominal */
-    float x_ref;                        /* m, -0.11 .. 0.11: set-point of the position along X */
-    float y_ref;                        /* m, -0.1 .. 0.1: set-point of the position along Y */
-    float phi_ref;                      /* rad, -0.008 .. 0.008: set-point of the yaw */
-    float z_ref;                        /* m, -0.0002 .. 0.0002: set-point of the height */
-    float theta_ref;                    /* rad, -0.002 .. 0.002: set-point of the tilt about X */
-    float psi_ref;                      /* rad, -0.002 .. 0.002: set-point of the tilt about Y */
-} planar_6dof_leadlag_input_t;
-
-typedef struct {
-    float i_AA;                         /* A, -1.26 .. 1.26: phase A of motor A */
-    float i_AB;                         /* A, -1.26 .. 1.26: phase B of motor A */
-    float i_AC;                         /* A, -1.26 .. 1.26: phase C of motor A */
-    float i_BA;                         /* A, -1.26 .. 1.26: phase A of motor B */
-    float i_BB;                         /* A, -1.26 .. 1.26: phase B of motor B */
-    float i_BC;                         /* A, -1.26 .. 1.26: phase C of motor B */
-    float i_CA;                         /* A, -1.26 .. 1.26: phase A of motor C */
-    float i_CB;                         /* A, -1.26 .. 1.26: phase B of motor C */
-    float i_CC;                         /* A, -1.26 .. 1.26: phase C of motor C */
-} planar_6dof_leadlag_output_t;
-
-typedef struct {
+struct planar_6dof_leadlag_state {
     planar_6dof_leadlag_guard_state_t guard;
     planar_6dof_leadlag_sensing_state_t sensing;
     planar_6dof_leadlag_reckoning_state_t reckoning;
@@ -230,7 +207,7 @@ typedef struct {
     float delay_x;                      /* A, -1.449 .. 1.449: demand that acts until the next sample */
     float delay_y;                      /* A, -2.6145 .. 2.6145: demand that acts until the next sample */
     float delay_phi;                    /* A, -2.52 .. 2.52: demand that acts until the next sample */
-} planar_6dof_leadlag_state_t;
+};
 
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
@@ -242,40 +219,6 @@ extern char planar_6dof_leadlag_input_size_is_60[(sizeof(planar_6dof_leadlag_inp
 extern char planar_6dof_leadlag_output_size_is_36[(sizeof(planar_6dof_leadlag_output_t) == 36u) ? 1 : -1];
 extern char planar_6dof_leadlag_state_size_is_288[(sizeof(planar_6dof_leadlag_state_t) == 288u) ? 1 : -1];
 #endif
-
-/* Put the state to its initial values. The caller owns it. */
-void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
-
-/* Compute one sample: read `in`, write `out`, advance `state`.
- * It returns the fault bits:
- *   bit  0  V_ax: not finite or outside its range
- *   bit  1  V_ay: not finite or outside its range
- *   bit  2  V_bx: not finite or outside its range
- *   bit  3  V_by: not finite or outside its range
- *   bit  4  V_cx: not finite or outside its range
- *   bit  5  V_cy: not finite or outside its range
- *   bit  6  d1: not finite or outside its range
- *   bit  7  d2: not finite or outside its range
- *   bit  8  d3: not finite or outside its range
- *   bit  9  x_ref: not finite or outside its range
- *   bit 10  y_ref: not finite or outside its range
- *   bit 11  phi_ref: not finite or outside its range
- *   bit 12  z_ref: not finite or outside its range
- *   bit 13  theta_ref: not finite or outside its range
- *   bit 14  psi_ref: not finite or outside its range
- *   bit 15  V_ax: contradicts other measurements or its prediction
- *   bit 16  V_ay: contradicts other measurements or its prediction
- *   bit 17  V_bx: contradicts other measurements or its prediction
- *   bit 18  V_by: contradicts other measurements or its prediction
- *   bit 19  V_cx: contradicts other measurements or its prediction
- *   bit 20  V_cy: contradicts other measurements or its prediction
- *   bit 29  all Hall voltages have another amplitude than the field
- *   bit 30  a latch is certain: after the first sample with this bit it brakes for 23 samples, then latches; set until
- *           init
- *   bit 31  latched until init
- */
-uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
-    planar_6dof_leadlag_output_t *out);
 
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips
  * some. Set the struct to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 phi_next, 2 i_CQ, 3 i_AD, 4 i_BD,

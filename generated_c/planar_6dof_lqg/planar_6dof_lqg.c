@@ -264,19 +264,21 @@ typedef struct {
 } planar_6dof_lqg_vertical_kinematics_t;
 
 /* vertical_kinematics: z and tilts from distances */
-PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_vertical_kinematics_t planar_6dof_lqg_vertical_kinematics(float d1_held,
-    float d2_held, float d3_held, planar_6dof_lqg_diagnostics_t *diagnostics)
+PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_vertical_kinematics_t planar_6dof_lqg_vertical_kinematics(const
+    planar_6dof_lqg_input_t *accepted, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
     static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
 
-    const float front_distance = 0.5f * (d1_held + d2_held);
+    const float front_distance = 0.5f * (accepted->d1 + accepted->d2);
+    const float theta = half_over_laser_arm * (accepted->d3 - front_distance);
+    const float psi = half_over_laser_arm * (accepted->d1 - accepted->d2);
     if (diagnostics != NULL) {
-        diagnostics->z = 0.5f * (front_distance + d3_held);
-        diagnostics->theta = half_over_laser_arm * (d3_held - front_distance);
-        diagnostics->psi = half_over_laser_arm * (d1_held - d2_held);
+        diagnostics->z = 0.5f * (front_distance + accepted->d3);
+        diagnostics->theta = theta;
+        diagnostics->psi = psi;
     }
-    return (planar_6dof_lqg_vertical_kinematics_t){.z = 0.5f * (front_distance + d3_held),
-        .theta = half_over_laser_arm * (d3_held - front_distance), .psi = half_over_laser_arm * (d1_held - d2_held)};
+    return (planar_6dof_lqg_vertical_kinematics_t){.z = 0.5f * (front_distance + accepted->d3), .theta = theta,
+        .psi = psi};
 }
 
 typedef struct {
@@ -323,9 +325,9 @@ typedef struct {
 
 /* sensing: position and yaw, (1)-(5) */
 PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_sensing_output_2_t
-    planar_6dof_lqg_sensing_output_2(planar_6dof_lqg_sensing_state_t *state, float V_ax_held, float V_ay_held, float
-    V_bx_held, float V_cy_held, bool complete, uint32_t ready, float V_by_held, float V_cx_held, float x_predicted,
-    float y_predicted, float phi_predicted, float phi_mean, planar_6dof_lqg_diagnostics_t *diagnostics)
+    planar_6dof_lqg_sensing_output_2(planar_6dof_lqg_sensing_state_t *state, const planar_6dof_lqg_input_t *accepted,
+    bool complete, uint32_t ready, float x_predicted, float y_predicted, float phi_predicted, float phi_mean,
+    planar_6dof_lqg_diagnostics_t *diagnostics)
 {
     static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
     static const float slope_0 = 0.49650046f;                   /* 1/V^2; fit of the slope in the calculated field */
@@ -380,17 +382,17 @@ PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_sensing_output_2_t
     if (complete) {
         const float scale = state->scale;
         const float phi_raw = state->phi_raw;
-        const float phi_raw_times_V_ay_held = phi_raw * V_ay_held;
-        const float X_s = scale * (V_ax_held - phi_raw_times_V_ay_held);
-        const float X_c = scale * (phi_raw_times_V_ay_held - V_bx_held);
+        const float phi_raw_times_V_ay_held = phi_raw * accepted->V_ay;
+        const float X_s = scale * (accepted->V_ax - phi_raw_times_V_ay_held);
+        const float X_c = scale * (phi_raw_times_V_ay_held - accepted->V_bx);
         const float X_s_times_X_c = X_s * X_c;
         const float X_s_squared = X_s * X_s;
         const float X_c_squared = X_c * X_c;
         const float ratio_x = X_s_times_X_c / (planar_6dof_lqg_max(X_s_squared, X_c_squared) + least_square);
         /*@ admit -1.0f <= ratio_x <= 1.0f; */
-        const float phi_raw_times_V_ax_held = phi_raw * V_ax_held;
-        const float Y_s = scale * (V_ay_held + phi_raw_times_V_ax_held);
-        const float minus_Y_c = scale * (V_cy_held + phi_raw_times_V_ax_held);
+        const float phi_raw_times_V_ax_held = phi_raw * accepted->V_ax;
+        const float Y_s = scale * (accepted->V_ay + phi_raw_times_V_ax_held);
+        const float minus_Y_c = scale * (accepted->V_cy + phi_raw_times_V_ax_held);
         const float Y_s_times_minus_Y_c = Y_s * minus_Y_c;
         const float Y_s_squared = Y_s * Y_s;
         const float minus_Y_c_squared = minus_Y_c * minus_Y_c;
@@ -404,9 +406,9 @@ PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_sensing_output_2_t
         const float m_y = Y_s_squared + minus_Y_c_squared -
             (power_0 + (squared_product_y * (power_1 + (squared_product_y * power_2))));
         const float h1 = X_c + X_s - (minus_Y_c * minus_Y_c_squared * (slope_0 + (Y_s_squared * slope_1)));
-        const float r_1 = (scale * (V_by_held - V_ay_held)) - (h1 * phi_raw);
+        const float r_1 = (scale * (accepted->V_by - accepted->V_ay)) - (h1 * phi_raw);
         const float h2 = (X_c * X_c_squared * (slope_0 + (X_s_squared * slope_1))) + (Y_s - minus_Y_c);
-        const float r_2 = (scale * (V_cx_held - V_ax_held)) + (h2 * phi_raw);
+        const float r_2 = (scale * (accepted->V_cx - accepted->V_ax)) + (h2 * phi_raw);
         const float ratio_x_squared = ratio_x * ratio_x;
         const float f_x = ratio_x * (position_1 +
             (ratio_x_squared * (position_3 + (ratio_x_squared * (position_5 + (ratio_x_squared * position_7))))));
@@ -518,15 +520,15 @@ PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_sensing_output_2_t
                     planar_6dof_lqg_limit(scale - (gain * (m_x + m_y)) - scale_middle, scale_half_range);
             } else {
                 const uint32_t watch_channel = state->watch_channel;
-                float code = V_ax_held;
+                float code = accepted->V_ax;
                 uint32_t watch_channel_next = index_of_V_cy;
                 if (1u <= watch_channel) {
-                    code = (index_of_V_bx <= watch_channel) ? V_bx_held : V_ay_held;
+                    code = (index_of_V_bx <= watch_channel) ? accepted->V_bx : accepted->V_ay;
                     watch_channel_next = watch_channel - 1u;
                 }
                 if (index_of_V_by <= watch_channel) {
                     code = (index_of_V_cx <= watch_channel) ?
-                        ((index_of_V_cy <= watch_channel) ? V_cy_held : V_cx_held) : V_by_held;
+                        ((index_of_V_cy <= watch_channel) ? accepted->V_cy : accepted->V_cx) : accepted->V_by;
                 }
                 if (repeats <= watch_left) {
                     state->watch_left = code_stored;
@@ -591,8 +593,8 @@ typedef struct {
 
 /* reckoning: alpha-beta filter, dead reckoning */
 PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_reckoning_t planar_6dof_lqg_reckoning(planar_6dof_lqg_reckoning_state_t *state,
-    uint32_t ready, bool measured, float x_raw, float acting_x, float innovation_phi, float y_raw, float acting_y,
-    float phi_raw, float acting_phi, planar_6dof_lqg_diagnostics_t *diagnostics)
+    uint32_t ready, const planar_6dof_lqg_sensing_output_2_t *sensing_output_2, float acting_x, float innovation_phi,
+    float acting_y, float acting_phi, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
     static const float x_rate_gain = 0.0080325f;                /* 1; k_s for the same poles */
     static const float x_half_step = 9.867259e-06f; /* m/A; T^2 / 2 times the acceleration of 12.6301 m/s^2 per A */
@@ -626,18 +628,18 @@ PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_reckoning_t planar_6dof_lqg_reckoning(pla
     float rate_x = x_rate;
     float rate_y = y_rate;
     float rate_phi = phi_rate;
-    float corrected_x = x_raw;
-    float corrected_y = y_raw;
+    float corrected_x = sensing_output_2->x_raw;
+    float corrected_y = sensing_output_2->y_raw;
     float corrected_phi;
-    if ((ready != 0u) && measured) {
+    if ((ready != 0u) && sensing_output_2->measured) {
         const float phi_mean_next = phi_mean + (phi_mean_gain * (innovation_phi - phi_mean));
         /*@ admit -0.075075f <= phi_mean_next <= 0.075075f; */
         state->phi_mean = phi_mean_next;
         const float x_position = state->x_position;
-        const float innovation_x = x_raw - x_position;
+        const float innovation_x = sensing_output_2->x_raw - x_position;
         rate_x = x_rate + (x_rate_gain * innovation_x);
         const float y_position = state->y_position;
-        const float innovation_y = y_raw - y_position;
+        const float innovation_y = sensing_output_2->y_raw - y_position;
         rate_y = y_rate + (y_rate_gain * innovation_y);
         rate_phi = phi_rate + (phi_rate_gain * innovation_phi);
         corrected_x = x_position + (x_position_gain * innovation_x);
@@ -648,7 +650,7 @@ PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_reckoning_t planar_6dof_lqg_reckoning(pla
             disturbance_limit);
         corrected_phi = phi_position + (phi_position_gain * innovation_phi);
     } else {
-        corrected_phi = (ready != 0u) ? phi_position : phi_raw;
+        corrected_phi = (ready != 0u) ? phi_position : sensing_output_2->phi_raw;
     }
     const float a_x = (x_half_step * acting_x) + x_disturbance;
     const float middle_x = rate_x + a_x;
@@ -758,11 +760,11 @@ PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_lqg_phi_output_t planar_6dof_lqg_lqg_phi_
     const float achieved = state->achieved;
     state->x3 = (F * now) + (G * phi_raw) + (H * achieved);
     const float estimated = now + seen + (achieved_gain * achieved);
+    const float law_phi = (error_gain * (phi_ref_held - phi_raw)) + (state->integral - estimated);
     if (diagnostics != NULL) {
-        diagnostics->law_phi = (error_gain * (phi_ref_held - phi_raw)) + (state->integral - estimated);
+        diagnostics->law_phi = law_phi;
     }
-    return (planar_6dof_lqg_lqg_phi_output_t){.estimated = estimated,
-        .law_phi = (error_gain * (phi_ref_held - phi_raw)) + (state->integral - estimated)};
+    return (planar_6dof_lqg_lqg_phi_output_t){.estimated = estimated, .law_phi = law_phi};
 }
 
 typedef struct {
@@ -830,21 +832,20 @@ typedef struct {
  * Each sample removes half of the predicted rate, within the limits of the currents. In the 23 samples before the
  * latch motor C can remove 0.206 m/s from x, whatever the yaw demands; A and B can remove up to 0.82 m/s from y,
  * less what the yaw takes. What is left of a larger speed coasts. */
-PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_braking_t planar_6dof_lqg_braking(bool brakes, float phi_advance,
-    float begun_phi, float x_advance, float begun_x, float y_advance, float begun_y,
-    planar_6dof_lqg_diagnostics_t *diagnostics)
+PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_braking_t planar_6dof_lqg_braking(bool brakes, const planar_6dof_lqg_reckoning_t
+    *reckoning, const planar_6dof_lqg_start_t *start, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
     static const float phi_gain = -1433.3131f; /* A/rad; -0.5 / T^2, over the acceleration of 223.259 rad/s^2 per A */
     static const float x_gain = -25336.316f; /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
     static const float y_gain = -25336.316f; /* A/m; -0.5 / T^2, over the acceleration of 12.6301 m/s^2 per A */
 
-    float d_phi = begun_phi;
-    float d_x = begun_x;
-    float d_y = begun_y;
+    float d_phi = start->begun_phi;
+    float d_x = start->begun_x;
+    float d_y = start->begun_y;
     if (brakes) {
-        d_phi = phi_gain * phi_advance;
-        d_x = x_gain * x_advance;
-        d_y = y_gain * y_advance;
+        d_phi = phi_gain * reckoning->phi_advance;
+        d_x = x_gain * reckoning->x_advance;
+        d_y = y_gain * reckoning->y_advance;
     }
     if (diagnostics != NULL) {
         diagnostics->d_phi = d_phi;
@@ -874,9 +875,9 @@ typedef struct {
  * allocation_z_share, c / (2 (b + c)), and allocation_psi_share, 1/2, make the achieved d_z and d_psi of the direct
  * currents. Factors that are 1 with these arms are left out: c / (2 a) of i_CQ in d_phi, and 2 b / c of d_z in i_CD.
  * The 2 of d_theta there stands for both motors at the front. */
-PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_allocation_t planar_6dof_lqg_allocation(float cos_phi_raw_argument, float d_y,
-    float phi_raw, float d_x, float d_phi, float d_z, float d_theta, float d_psi, bool begun, float law_z,
-    float law_theta, planar_6dof_lqg_diagnostics_t *diagnostics)
+PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_allocation_t planar_6dof_lqg_allocation(float cos_phi_raw_argument,
+    const planar_6dof_lqg_braking_t *braking, float phi_raw, const planar_6dof_lqg_start_t *start, bool begun,
+    float law_z, float law_theta, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
     static const float quadrature_limit = 1.134f; /* A; largest quadrature current of a motor, 0.9 of 1.26 A */
     static const float half_quadrature_limit = 0.567f;          /* A; what the yaw leaves to motor C */
@@ -888,21 +889,24 @@ PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_allocation_t planar_6dof_lqg_allocation(f
 
     const float cos_phi_raw_polynomial_2 = cos_phi_raw_polynomial(cos_phi_raw_argument);
     const float sin_phi_raw = phi_raw * sin_phi_raw_polynomial(cos_phi_raw_argument);
-    const float i_CQ = planar_6dof_lqg_limit((cos_phi_raw_polynomial_2 * d_x) + (sin_phi_raw * d_y),
-        planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
-    const float yaw_current = planar_6dof_lqg_limit(d_phi + i_CQ, quadrature_limit);
-    const float y_current = planar_6dof_lqg_limit(0.5f * ((cos_phi_raw_polynomial_2 * d_y) - (sin_phi_raw * d_x)),
-        quadrature_limit - fabsf(yaw_current));
-    const float front_current = d_z - d_theta;
-    const float i_AD = planar_6dof_lqg_limit(front_current + d_psi, direct_limit);
-    const float i_BD = planar_6dof_lqg_limit(front_current - d_psi, direct_limit);
+    const float i_CQ = planar_6dof_lqg_limit((cos_phi_raw_polynomial_2 * braking->d_x) + (sin_phi_raw * braking->d_y),
+        planar_6dof_lqg_max(quadrature_limit - fabsf(braking->d_phi), half_quadrature_limit));
+    const float yaw_current = planar_6dof_lqg_limit(braking->d_phi + i_CQ, quadrature_limit);
+    const float y_current = planar_6dof_lqg_limit(0.5f * ((cos_phi_raw_polynomial_2 * braking->d_y) -
+        (sin_phi_raw * braking->d_x)), quadrature_limit - fabsf(yaw_current));
+    const float front_current = start->d_z - start->d_theta;
+    const float i_AD = planar_6dof_lqg_limit(front_current + start->d_psi, direct_limit);
+    const float i_BD = planar_6dof_lqg_limit(front_current - start->d_psi, direct_limit);
     float rear_current = 0.0f;
     if (begun) {
         rear_current = law_z + (2.0f * law_theta);
     }
     const float i_CD = planar_6dof_lqg_limit(rear_current, direct_limit);
     const float y_currents = two * y_current;
+    const float achieved_x = (cos_phi_raw_polynomial_2 * i_CQ) - (sin_phi_raw * y_currents);
+    const float achieved_y = (sin_phi_raw * i_CQ) + (cos_phi_raw_polynomial_2 * y_currents);
     const float lifts = i_AD + i_BD;
+    const float achieved_theta = (rear_share * i_CD) - (front_share * lifts);
     if (diagnostics != NULL) {
         diagnostics->i_CQ = i_CQ;
         diagnostics->i_AQ = y_current - yaw_current;
@@ -910,21 +914,20 @@ PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_allocation_t planar_6dof_lqg_allocation(f
         diagnostics->i_AD = i_AD;
         diagnostics->i_BD = i_BD;
         diagnostics->i_CD = i_CD;
-        diagnostics->achieved_x = (cos_phi_raw_polynomial_2 * i_CQ) - (sin_phi_raw * y_currents);
-        diagnostics->achieved_y = (sin_phi_raw * i_CQ) + (cos_phi_raw_polynomial_2 * y_currents);
+        diagnostics->achieved_x = achieved_x;
+        diagnostics->achieved_y = achieved_y;
         diagnostics->achieved_phi = yaw_current - i_CQ;
-        diagnostics->achieved_theta = (rear_share * i_CD) - (front_share * lifts);
+        diagnostics->achieved_theta = achieved_theta;
         diagnostics->saturated |= (fabsf(i_CQ) >=
-            planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit)) ? 0x00000004u : 0u;
+            planar_6dof_lqg_max(quadrature_limit - fabsf(braking->d_phi), half_quadrature_limit)) ? 0x00000004u : 0u;
         diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000008u : 0u;
         diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000010u : 0u;
         diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000020u : 0u;
     }
-    return (planar_6dof_lqg_allocation_t){.cos_phi_raw_polynomial = cos_phi_raw_polynomial_2, .sin_phi_raw =
-        sin_phi_raw, .i_CQ = i_CQ, .i_AQ = y_current - yaw_current, .i_BQ = y_current + yaw_current, .i_AD = i_AD,
-        .i_BD = i_BD, .i_CD = i_CD, .achieved_x = (cos_phi_raw_polynomial_2 * i_CQ) - (sin_phi_raw * y_currents),
-        .achieved_y = (sin_phi_raw * i_CQ) + (cos_phi_raw_polynomial_2 * y_currents), .achieved_phi = yaw_current -
-        i_CQ, .lifts = lifts, .achieved_theta = (rear_share * i_CD) - (front_share * lifts)};
+    return (planar_6dof_lqg_allocation_t){.cos_phi_raw_polynomial = cos_phi_raw_polynomial_2,
+        .sin_phi_raw = sin_phi_raw, .i_CQ = i_CQ, .i_AQ = y_current - yaw_current, .i_BQ = y_current + yaw_current,
+        .i_AD = i_AD, .i_BD = i_BD, .i_CD = i_CD, .achieved_x = achieved_x, .achieved_y = achieved_y,
+        .achieved_phi = yaw_current - i_CQ, .lifts = lifts, .achieved_theta = achieved_theta};
 }
 
 typedef struct {
@@ -933,12 +936,12 @@ typedef struct {
 } planar_6dof_lqg_lqg_update_parameters_t;
 
 /* lqg_x, lqg_y: reduced-order LQG, (28)-(35), (49) */
-PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_lqg_update(planar_6dof_lqg_lqg_state_t *state,
-    const planar_6dof_lqg_lqg_update_parameters_t *parameters, bool is_close_raw, float achieved, float estimated)
+PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_lqg_update(planar_6dof_lqg_lqg_state_t *state, const
+    planar_6dof_lqg_lqg_update_parameters_t *parameters, const planar_6dof_lqg_lqg_output_t *lqg_output, float achieved)
 {
     const float decayed = parameters->integral_decay * state->integral;
-    if (is_close_raw) {
-        state->integral = decayed + (parameters->integral_input * (achieved + estimated));
+    if (lqg_output->is_close_raw) {
+        state->integral = decayed + (parameters->integral_input * (achieved + lqg_output->estimated));
     } else {
         state->integral = decayed;
     }
@@ -957,13 +960,15 @@ PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_lqg_phi_update(planar_6dof_lqg_lqg_s
 }
 
 /* loop_z: lead-lag, (23) */
-PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_loop_z_update(planar_6dof_lqg_loop_state_t *state, float lifts, float i_CD)
+PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_loop_z_update(planar_6dof_lqg_loop_state_t *state,
+    const planar_6dof_lqg_allocation_t *allocation)
 {
     static const float integral_decay = 0.9875776f; /* 1; (23): zero of the integral action in the z-domain */
     /* 1; (23): 1 - integral_decay; times allocation_z_share */
     static const float integral_input_times_allocation_z_share = 0.004140787f;
 
-    state->integral = (integral_decay * state->integral) + (integral_input_times_allocation_z_share * (lifts + i_CD));
+    state->integral = (integral_decay * state->integral) +
+        (integral_input_times_allocation_z_share * (allocation->lifts + allocation->i_CD));
 }
 
 /* loop_theta: lead-lag, (24) */
@@ -976,13 +981,15 @@ PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_loop_theta_update(planar_6dof_lqg_lo
 }
 
 /* loop_psi: lead-lag, (25) */
-PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_loop_psi_update(planar_6dof_lqg_loop_state_t *state, float i_AD, float i_BD)
+PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_loop_psi_update(planar_6dof_lqg_loop_state_t *state,
+    const planar_6dof_lqg_allocation_t *allocation)
 {
     static const float integral_decay = 0.9875776f; /* 1; (25): zero of the integral action in the z-domain */
     /* 1; (25): 1 - integral_decay; times allocation_psi_share */
     static const float integral_input_times_allocation_psi_share = 0.0062111802f;
 
-    state->integral = (integral_decay * state->integral) + (integral_input_times_allocation_psi_share * (i_AD - i_BD));
+    state->integral = (integral_decay * state->integral) +
+        (integral_input_times_allocation_psi_share * (allocation->i_AD - allocation->i_BD));
 }
 
 typedef struct {
@@ -998,9 +1005,8 @@ typedef struct {
 } planar_6dof_lqg_commutation_t;
 
 /* commutation: phase currents, (17) inverted */
-PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_commutation_t planar_6dof_lqg_commutation(float within_x, float sin_phi_raw,
-    float within_y, float cos_phi_raw_polynomial, float cos_phi_raw_argument, float phi_raw, float i_AQ, float i_AD,
-    float i_BQ, float i_BD, float i_CQ, float i_CD)
+PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_commutation_t planar_6dof_lqg_commutation(const planar_6dof_lqg_sensing_output_2_t
+    *sensing_output_2, const planar_6dof_lqg_allocation_t *allocation, float cos_phi_raw_argument)
 {
     static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
@@ -1008,21 +1014,22 @@ PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_commutation_t planar_6dof_lqg_commutation(
     static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
     static const float c = 0.025584769f; /* m; not printed: row x of Table 3 makes no torque about z */
 
-    const float distance_rear = within_x - (c * sin_phi_raw);
+    const float distance_rear = sensing_output_2->within_x - (c * allocation->sin_phi_raw);
     const float quarter_sine_rear = distance_rear * quarter_sine_polynomial(distance_rear * distance_rear);
     const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
     const float h_rear = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
     const float cos_C = 1.0f - (8.0f * (h_rear * h_rear));
     const float sin_C = h_rear * (4.0f - (8.0f * quarter_sine_rear_squared));
-    const float i_CA_computed = (cos_C * i_CQ) - (sin_C * i_CD);
+    const float i_CA_computed = (cos_C * allocation->i_CQ) - (sin_C * allocation->i_CD);
     /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
     const float middle_C = minus_half * i_CA_computed;
-    const float beta_C = half_root_3 * ((sin_C * i_CQ) + (cos_C * i_CD));
+    const float beta_C = half_root_3 * ((sin_C * allocation->i_CQ) + (cos_C * allocation->i_CD));
     const float i_CB_computed = middle_C + beta_C;
     /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
     const float i_CC_computed = middle_C - beta_C;
     /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
-    const float distance_front = within_y - ((b * cos_phi_raw_polynomial) - quarter_pitch);
+    const float distance_front = sensing_output_2->within_y -
+        ((b * allocation->cos_phi_raw_polynomial) - quarter_pitch);
     const float quarter_sine_front = distance_front * quarter_sine_polynomial(distance_front * distance_front);
     const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
     const float h_front = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
@@ -1030,26 +1037,26 @@ PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_commutation_t planar_6dof_lqg_commutation(
     const float cos_aside = cosine_polynomial(cos_phi_raw_argument);
     const float cc = sin_front * cos_aside;
     const float cos_front = 1.0f - (8.0f * (h_front * h_front));
-    const float sin_aside = phi_raw * sine_polynomial(cos_phi_raw_argument);
+    const float sin_aside = sensing_output_2->phi_raw * sine_polynomial(cos_phi_raw_argument);
     const float cos_front_times_sin_aside = cos_front * sin_aside;
     const float cos_A = cc - cos_front_times_sin_aside;
     const float cos_front_times_cos_aside = cos_front * cos_aside;
     const float cs = sin_front * sin_aside;
     const float minus_sin_A = cos_front_times_cos_aside + cs;
-    const float i_AA_computed = (cos_A * i_AQ) + (minus_sin_A * i_AD);
+    const float i_AA_computed = (cos_A * allocation->i_AQ) + (minus_sin_A * allocation->i_AD);
     /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
     const float middle_A = minus_half * i_AA_computed;
-    const float beta_A = half_root_3 * ((cos_A * i_AD) - (minus_sin_A * i_AQ));
+    const float beta_A = half_root_3 * ((cos_A * allocation->i_AD) - (minus_sin_A * allocation->i_AQ));
     const float i_AB_computed = middle_A + beta_A;
     /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
     const float i_AC_computed = middle_A - beta_A;
     /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
     const float cos_B = cc + cos_front_times_sin_aside;
     const float sin_B = cs - cos_front_times_cos_aside;
-    const float i_BA_computed = (cos_B * i_BQ) - (sin_B * i_BD);
+    const float i_BA_computed = (cos_B * allocation->i_BQ) - (sin_B * allocation->i_BD);
     /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
     const float middle_B = minus_half * i_BA_computed;
-    const float beta_B = half_root_3 * ((sin_B * i_BQ) + (cos_B * i_BD));
+    const float beta_B = half_root_3 * ((sin_B * allocation->i_BQ) + (cos_B * allocation->i_BD));
     const float i_BB_computed = middle_B + beta_B;
     /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
     const float i_BC_computed = middle_B - beta_B;
@@ -1061,19 +1068,18 @@ PLANAR_6DOF_LQG_LARGE planar_6dof_lqg_commutation_t planar_6dof_lqg_commutation(
 
 /* safe_output: slew to the safe output once latched */
 PLANAR_6DOF_LQG_INLINE void planar_6dof_lqg_safe_output(planar_6dof_lqg_safe_output_state_t *state, bool may_latch,
-    float i_AA_computed, float i_AB_computed, float i_AC_computed, float i_BA_computed, float i_BB_computed,
-    float i_BC_computed, float i_CA_computed, float i_CB_computed, float i_CC_computed)
+    const planar_6dof_lqg_commutation_t *commutation)
 {
     if (may_latch) {
-        state->last_i_AA = i_AA_computed;
-        state->last_i_AB = i_AB_computed;
-        state->last_i_AC = i_AC_computed;
-        state->last_i_BA = i_BA_computed;
-        state->last_i_BB = i_BB_computed;
-        state->last_i_BC = i_BC_computed;
-        state->last_i_CA = i_CA_computed;
-        state->last_i_CB = i_CB_computed;
-        state->last_i_CC = i_CC_computed;
+        state->last_i_AA = commutation->i_AA_computed;
+        state->last_i_AB = commutation->i_AB_computed;
+        state->last_i_AC = commutation->i_AC_computed;
+        state->last_i_BA = commutation->i_BA_computed;
+        state->last_i_BB = commutation->i_BB_computed;
+        state->last_i_BC = commutation->i_BC_computed;
+        state->last_i_CA = commutation->i_CA_computed;
+        state->last_i_CB = commutation->i_CB_computed;
+        state->last_i_CC = commutation->i_CC_computed;
     }
 }
 
@@ -1109,6 +1115,98 @@ PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_input_t planar_6dof_lqg_guard_inputs(plan
     return accepted;
 }
 
+static const planar_6dof_lqg_lqg_output_parameters_t lqg_x_lqg_output = {.error_gain = 1955.8091f,
+    .largest_error = 0.0015f, .L = 5126.1787f, .achieved_gain = 0.319009f, .G = -1537.8536f, .H = 0.28662756f};
+static const planar_6dof_lqg_lqg_output_parameters_t lqg_y_lqg_output = {.error_gain = 1117.0514f,
+    .largest_error = 0.004f, .L = 3558.6274f, .achieved_gain = 0.22358753f, .G = -1067.5883f, .H = 0.19897877f};
+static const planar_6dof_lqg_loop_output_parameters_t loop_z_loop_output = {.gain = 4023.7034f,
+    .lead_input = -3537.3835f};
+static const planar_6dof_lqg_loop_output_parameters_t loop_theta_loop_output = {.gain = 427.24356f,
+    .lead_input = -386.5337f};
+static const planar_6dof_lqg_loop_output_parameters_t loop_psi_loop_output = {.gain = 469.96793f,
+    .lead_input = -425.18707f};
+static const planar_6dof_lqg_lqg_update_parameters_t lqg_x_lqg_update = {.integral_decay = 0.9430741f,
+    .integral_input = 0.056925878f};
+static const planar_6dof_lqg_lqg_update_parameters_t lqg_y_lqg_update = {.integral_decay = 0.953085f,
+    .integral_input = 0.046914965f};
+
+/* the law: what the step computes unless it is latched */
+PLANAR_6DOF_LQG_INLINE uint32_t planar_6dof_lqg_law(planar_6dof_lqg_state_t *state, uint32_t faults, const
+    planar_6dof_lqg_input_t *accepted, uint32_t guard_left, uint32_t guard_ready, const planar_6dof_lqg_guard_output_t
+    *guard_output, planar_6dof_lqg_output_t *out, planar_6dof_lqg_diagnostics_t *diagnostics)
+{
+    uint32_t fault_word;
+
+    const float reckoning_phi_position = state->reckoning.phi_position;
+    const planar_6dof_lqg_sensing_output_2_t sensing_output_2 = planar_6dof_lqg_sensing_output_2(&state->sensing,
+        accepted, guard_output->complete, guard_ready, state->reckoning.x_position, state->reckoning.y_position,
+        reckoning_phi_position, state->reckoning.phi_mean, diagnostics);
+    const planar_6dof_lqg_lqg_output_t lqg_x_output = planar_6dof_lqg_lqg_output(&state->lqg_x, &lqg_x_lqg_output,
+        accepted->x_ref, sensing_output_2.x_raw, guard_ready);
+    const planar_6dof_lqg_lqg_output_t lqg_y_output = planar_6dof_lqg_lqg_output(&state->lqg_y, &lqg_y_lqg_output,
+        accepted->y_ref, sensing_output_2.y_raw, guard_ready);
+    const planar_6dof_lqg_guard_update_t guard_update = planar_6dof_lqg_guard_update(guard_left,
+        lqg_x_output.is_close_raw, lqg_y_output.is_close_raw);
+    uint32_t faults_before = faults;
+    if (guard_update.is_late_x_raw) {
+        faults_before = faults | 0x08000000u;
+    }
+    if (guard_update.is_late_y_raw) {
+        fault_word = faults_before | 0x10000000u;
+    } else {
+        fault_word = faults_before;
+    }
+    const float innovation_phi = sensing_output_2.phi_raw - reckoning_phi_position;
+    planar_6dof_lqg_sensing_update(&state->sensing, guard_ready, innovation_phi);
+    const planar_6dof_lqg_reckoning_t reckoning = planar_6dof_lqg_reckoning(&state->reckoning, guard_ready,
+        &sensing_output_2, state->lqg_x.achieved, innovation_phi, state->lqg_y.achieved, state->lqg_phi.achieved,
+        diagnostics);
+    const planar_6dof_lqg_vertical_kinematics_t vertical_kinematics = planar_6dof_lqg_vertical_kinematics(accepted,
+        diagnostics);
+    const planar_6dof_lqg_lqg_phi_output_t lqg_phi_output = planar_6dof_lqg_lqg_phi_output(&state->lqg_phi,
+        accepted->phi_ref, sensing_output_2.phi_raw, guard_ready, diagnostics);
+    const float law_z = planar_6dof_lqg_loop_output(&state->loop_z, &loop_z_loop_output, accepted->z_ref,
+        vertical_kinematics.z);
+    const float law_theta = planar_6dof_lqg_loop_output(&state->loop_theta, &loop_theta_loop_output,
+        accepted->theta_ref, vertical_kinematics.theta);
+    const float law_psi = planar_6dof_lqg_loop_output(&state->loop_psi, &loop_psi_loop_output, accepted->psi_ref,
+        vertical_kinematics.psi);
+    const bool begun = (guard_ready != 0u) || guard_output->complete;
+    const planar_6dof_lqg_start_t start = planar_6dof_lqg_start(begun, lqg_phi_output.law_phi, lqg_x_output.law,
+        lqg_y_output.law, law_psi, law_theta, law_z, diagnostics);
+    const planar_6dof_lqg_braking_t braking = planar_6dof_lqg_braking(guard_update.brakes, &reckoning, &start,
+        diagnostics);
+    const float phi_raw_squared = sensing_output_2.phi_raw * sensing_output_2.phi_raw;
+    const planar_6dof_lqg_allocation_t allocation = planar_6dof_lqg_allocation(phi_raw_squared, &braking,
+        sensing_output_2.phi_raw, &start, begun, law_z, law_theta, diagnostics);
+    planar_6dof_lqg_lqg_update(&state->lqg_x, &lqg_x_lqg_update, &lqg_x_output, allocation.achieved_x);
+    planar_6dof_lqg_lqg_update(&state->lqg_y, &lqg_y_lqg_update, &lqg_y_output, allocation.achieved_y);
+    planar_6dof_lqg_lqg_phi_update(&state->lqg_phi, allocation.achieved_phi, lqg_phi_output.estimated);
+    planar_6dof_lqg_loop_z_update(&state->loop_z, &allocation);
+    planar_6dof_lqg_loop_theta_update(&state->loop_theta, allocation.achieved_theta);
+    planar_6dof_lqg_loop_psi_update(&state->loop_psi, &allocation);
+    const planar_6dof_lqg_commutation_t commutation = planar_6dof_lqg_commutation(&sensing_output_2, &allocation,
+        phi_raw_squared);
+    out->i_AA = commutation.i_AA_computed;
+    out->i_AB = commutation.i_AB_computed;
+    out->i_AC = commutation.i_AC_computed;
+    out->i_BA = commutation.i_BA_computed;
+    out->i_BB = commutation.i_BB_computed;
+    out->i_BC = commutation.i_BC_computed;
+    out->i_CA = commutation.i_CA_computed;
+    out->i_CB = commutation.i_CB_computed;
+    out->i_CC = commutation.i_CC_computed;
+    planar_6dof_lqg_safe_output(&state->safe_output, guard_update.may_latch, &commutation);
+    if (diagnostics != NULL) {
+        diagnostics->law_x = lqg_x_output.law;
+        diagnostics->law_y = lqg_y_output.law;
+        diagnostics->law_z = law_z;
+        diagnostics->law_theta = law_theta;
+        diagnostics->law_psi = law_psi;
+    }
+    return fault_word;
+}
+
 void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
 {
     /* A member that is not named is 0. */
@@ -1121,21 +1219,6 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
 PLANAR_6DOF_LQG_INLINE uint32_t planar_6dof_lqg_body(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
     planar_6dof_lqg_output_t *out, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
-    static const planar_6dof_lqg_lqg_output_parameters_t lqg_x_lqg_output = {.error_gain = 1955.8091f,
-        .largest_error = 0.0015f, .L = 5126.1787f, .achieved_gain = 0.319009f, .G = -1537.8536f, .H = 0.28662756f};
-    static const planar_6dof_lqg_lqg_output_parameters_t lqg_y_lqg_output = {.error_gain = 1117.0514f,
-        .largest_error = 0.004f, .L = 3558.6274f, .achieved_gain = 0.22358753f, .G = -1067.5883f, .H = 0.19897877f};
-    static const planar_6dof_lqg_loop_output_parameters_t loop_z_loop_output = {.gain = 4023.7034f,
-        .lead_input = -3537.3835f};
-    static const planar_6dof_lqg_loop_output_parameters_t loop_theta_loop_output = {.gain = 427.24356f,
-        .lead_input = -386.5337f};
-    static const planar_6dof_lqg_loop_output_parameters_t loop_psi_loop_output = {.gain = 469.96793f,
-        .lead_input = -425.18707f};
-    static const planar_6dof_lqg_lqg_update_parameters_t lqg_x_lqg_update = {.integral_decay = 0.9430741f,
-        .integral_input = 0.056925878f};
-    static const planar_6dof_lqg_lqg_update_parameters_t lqg_y_lqg_update = {.integral_decay = 0.953085f,
-        .integral_input = 0.046914965f};
-
     if (diagnostics != NULL) {
         diagnostics->samples += 1u;
         diagnostics->saturated = 0u;
@@ -1192,82 +1275,8 @@ PLANAR_6DOF_LQG_INLINE uint32_t planar_6dof_lqg_body(planar_6dof_lqg_state_t *st
         state->guard.latched = 1u;
         fault_word = faults | 0x80000000u;
     } else {
-        const float reckoning_phi_position = state->reckoning.phi_position;
-        const planar_6dof_lqg_sensing_output_2_t sensing_output_2 = planar_6dof_lqg_sensing_output_2(&state->sensing,
-            accepted.V_ax, accepted.V_ay, accepted.V_bx, accepted.V_cy, guard_output.complete, guard_ready,
-            accepted.V_by, accepted.V_cx, state->reckoning.x_position, state->reckoning.y_position,
-            reckoning_phi_position, state->reckoning.phi_mean, diagnostics);
-        const planar_6dof_lqg_lqg_output_t lqg_x_output = planar_6dof_lqg_lqg_output(&state->lqg_x, &lqg_x_lqg_output,
-            accepted.x_ref, sensing_output_2.x_raw, guard_ready);
-        const planar_6dof_lqg_lqg_output_t lqg_y_output = planar_6dof_lqg_lqg_output(&state->lqg_y, &lqg_y_lqg_output,
-            accepted.y_ref, sensing_output_2.y_raw, guard_ready);
-        const planar_6dof_lqg_guard_update_t guard_update = planar_6dof_lqg_guard_update(guard_left,
-            lqg_x_output.is_close_raw, lqg_y_output.is_close_raw);
-        uint32_t faults_before = faults;
-        if (guard_update.is_late_x_raw) {
-            faults_before = faults | 0x08000000u;
-        }
-        if (guard_update.is_late_y_raw) {
-            fault_word = faults_before | 0x10000000u;
-        } else {
-            fault_word = faults_before;
-        }
-        const float innovation_phi = sensing_output_2.phi_raw - reckoning_phi_position;
-        planar_6dof_lqg_sensing_update(&state->sensing, guard_ready, innovation_phi);
-        const planar_6dof_lqg_reckoning_t reckoning = planar_6dof_lqg_reckoning(&state->reckoning, guard_ready,
-            sensing_output_2.measured, sensing_output_2.x_raw, state->lqg_x.achieved, innovation_phi,
-            sensing_output_2.y_raw, state->lqg_y.achieved, sensing_output_2.phi_raw, state->lqg_phi.achieved,
+        fault_word = planar_6dof_lqg_law(state, faults, &accepted, guard_left, guard_ready, &guard_output, out,
             diagnostics);
-        const planar_6dof_lqg_vertical_kinematics_t vertical_kinematics =
-            planar_6dof_lqg_vertical_kinematics(accepted.d1, accepted.d2, accepted.d3, diagnostics);
-        const planar_6dof_lqg_lqg_phi_output_t lqg_phi_output = planar_6dof_lqg_lqg_phi_output(&state->lqg_phi,
-            accepted.phi_ref, sensing_output_2.phi_raw, guard_ready, diagnostics);
-        const float law_z = planar_6dof_lqg_loop_output(&state->loop_z, &loop_z_loop_output, accepted.z_ref,
-            vertical_kinematics.z);
-        const float law_theta = planar_6dof_lqg_loop_output(&state->loop_theta, &loop_theta_loop_output,
-            accepted.theta_ref, vertical_kinematics.theta);
-        const float law_psi = planar_6dof_lqg_loop_output(&state->loop_psi, &loop_psi_loop_output, accepted.psi_ref,
-            vertical_kinematics.psi);
-        const bool begun = (guard_ready != 0u) || guard_output.complete;
-        const planar_6dof_lqg_start_t start = planar_6dof_lqg_start(begun, lqg_phi_output.law_phi, lqg_x_output.law,
-            lqg_y_output.law, law_psi, law_theta, law_z, diagnostics);
-        const planar_6dof_lqg_braking_t braking = planar_6dof_lqg_braking(guard_update.brakes, reckoning.phi_advance,
-            start.begun_phi, reckoning.x_advance, start.begun_x, reckoning.y_advance, start.begun_y, diagnostics);
-        const float phi_raw_squared = sensing_output_2.phi_raw * sensing_output_2.phi_raw;
-        const planar_6dof_lqg_allocation_t allocation = planar_6dof_lqg_allocation(phi_raw_squared, braking.d_y,
-            sensing_output_2.phi_raw, braking.d_x, braking.d_phi, start.d_z, start.d_theta, start.d_psi, begun, law_z,
-            law_theta, diagnostics);
-        planar_6dof_lqg_lqg_update(&state->lqg_x, &lqg_x_lqg_update, lqg_x_output.is_close_raw, allocation.achieved_x,
-            lqg_x_output.estimated);
-        planar_6dof_lqg_lqg_update(&state->lqg_y, &lqg_y_lqg_update, lqg_y_output.is_close_raw, allocation.achieved_y,
-            lqg_y_output.estimated);
-        planar_6dof_lqg_lqg_phi_update(&state->lqg_phi, allocation.achieved_phi, lqg_phi_output.estimated);
-        planar_6dof_lqg_loop_z_update(&state->loop_z, allocation.lifts, allocation.i_CD);
-        planar_6dof_lqg_loop_theta_update(&state->loop_theta, allocation.achieved_theta);
-        planar_6dof_lqg_loop_psi_update(&state->loop_psi, allocation.i_AD, allocation.i_BD);
-        const planar_6dof_lqg_commutation_t commutation = planar_6dof_lqg_commutation(sensing_output_2.within_x,
-            allocation.sin_phi_raw, sensing_output_2.within_y, allocation.cos_phi_raw_polynomial, phi_raw_squared,
-            sensing_output_2.phi_raw, allocation.i_AQ, allocation.i_AD, allocation.i_BQ, allocation.i_BD,
-            allocation.i_CQ, allocation.i_CD);
-        out->i_AA = commutation.i_AA_computed;
-        out->i_AB = commutation.i_AB_computed;
-        out->i_AC = commutation.i_AC_computed;
-        out->i_BA = commutation.i_BA_computed;
-        out->i_BB = commutation.i_BB_computed;
-        out->i_BC = commutation.i_BC_computed;
-        out->i_CA = commutation.i_CA_computed;
-        out->i_CB = commutation.i_CB_computed;
-        out->i_CC = commutation.i_CC_computed;
-        planar_6dof_lqg_safe_output(&state->safe_output, guard_update.may_latch, commutation.i_AA_computed,
-            commutation.i_AB_computed, commutation.i_AC_computed, commutation.i_BA_computed, commutation.i_BB_computed,
-            commutation.i_BC_computed, commutation.i_CA_computed, commutation.i_CB_computed, commutation.i_CC_computed);
-        if (diagnostics != NULL) {
-            diagnostics->law_x = lqg_x_output.law;
-            diagnostics->law_y = lqg_y_output.law;
-            diagnostics->law_z = law_z;
-            diagnostics->law_theta = law_theta;
-            diagnostics->law_psi = law_psi;
-        }
     }
 
     if (diagnostics != NULL) {

@@ -69,6 +69,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
         {"design": gains_document},
         error=error,
         header_notes=notes,
+        datasheet_notes=stage.datasheet_notes,
         warning=stage.warning,
         latency=_latency(stage),
         gain_error=stage.gain_error,

@@ -293,7 +293,8 @@ class Stage:
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign; `study` limits of a study of tolerances
     safe_output       what the machine does after the latch as measured, which header and manifest state
-    header_notes      sentences of the C's header (`read_header`); `reactions` of the machine, by a row's key in it
+    header_notes      sentences of the C's header (`read_notes`), `datasheet_notes` of the datasheet beside it
+    reactions         what the machine does, by the key of a row of the datasheet's failures
     used_instead      what the law uses for a refused input, by the same keys, where the guard cannot know it
     tuning            free parameters of the law and their goals, for `synth tune`
     warning           the first line of header, manifest and report; `most_instructions` of a step on a Cortex-M4F
@@ -333,6 +334,7 @@ class Stage:
     most_instructions: float = np.inf
     safe_output: SafeOutput | None = None
     header_notes: Sequence[str] = ()
+    datasheet_notes: Sequence[str] = ()
     reactions: Mapping[str, str] = field(default_factory=dict)
     used_instead: Mapping[str, str] = field(default_factory=dict)
     tuning: Tuning | None = None
@@ -367,8 +369,8 @@ class Stage:
         return self.controller.interface
 
 
-def read_header(path: Path, **values: Any) -> list[str]:
-    """Return the paragraphs of a header.md as sentences of the C's header, {name} replaced by the value of a name.
+def read_notes(path: Path, **values: Any) -> list[str]:
+    """Return the paragraphs of a file as sentences of header or datasheet, {name} replaced by the value of a name.
 
     Raises DesignError for a placeholder without a value, and for a value that has no place.
     """

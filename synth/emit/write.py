@@ -12,23 +12,26 @@ import numpy as np
 from synth.base import store
 from synth.block import Block
 from synth.emit import pipeline
-from synth.emit.c import c_text, diagnostics, header, manifest
+from synth.emit.c import c_text, datasheet, diagnostics, header, manifest
 from synth.emit.program.lower import Program
 from synth.emit.proof import word_length
 from synth.emit.proof.word_length import LinearPart
+from synth.show import Sheet
 
 
 @dataclass(frozen=True)
 class EmittedCode:
     """The generated text files, the manifest that describes them, and what else is known of the program.
 
-    `program` is the printed one, and `parts` say what the scalar type does to its linear dynamics.
+    `program` is the printed one, `parts` say what the scalar type does to its linear dynamics, and `datasheet` are the
+    sections of <name>.md.
     """
 
     files: Mapping[str, str]
     manifest: Mapping[str, Any]
     program: Program | None = None
     parts: tuple[LinearPart, ...] = ()
+    datasheet: tuple[Sheet, ...] = ()
 
 
 def emit(
@@ -38,16 +41,18 @@ def emit(
     libm: bool = False,
     error: float | None = None,
     header_notes: Sequence[str] = (),
+    datasheet_notes: Sequence[str] = (),
     warning: str = "",
     latency: int = 0,
     gain_error: float = word_length.GAIN_ERROR,
 ) -> EmittedCode:
-    """Return <name>.c, <name>.h, manifest.json and gains.json of a Block in a scalar type.
+    """Return <name>.c, .h, .md, manifest.json and gains.json of a Block in a scalar type.
 
     Constants are rounded to the scalar type here, once. `gains` is the document for gains.json. Functions of one
     variable become polynomials with a relative error of at most `error`, by default 2e-7 in float32 and 1e-14 in
-    float64; with `libm` they remain calls of the C library. `header_notes` are further sentences of the header.
-    A `warning` stands in the first line of header and manifest, before anything else. The header says that outputs act
+    float64; with `libm` they remain calls of the C library. `header_notes` and
+    `datasheet_notes` are further sentences of <name>.h and <name>.md. A `warning` stands in the first line of both and
+    of the manifest, before anything else. The header says that outputs act
     `latency` samples after the measurement.
 
     For a Block that latches, the manifest documents its safety.
@@ -59,17 +64,19 @@ def emit(
     made = pipeline.c_source(rounded, scalar, libm, error)
     parts = word_length.linear_parts(made.reduced, block, scalar)
     word_length.require_gains(parts, gain_error, scalar)
-    notes = [*header_notes, *header.by_parameter(made.of_plant)]
+    facts = datasheet.Facts(made.of_plant, parts, made.surrogates, np.dtype(scalar).name)
+    sheets = datasheet.sheets(rounded, facts, datasheet_notes)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in made.lines),
-        f"{block.name}.h": header.header(rounded, made.memory, made.program, notes, warning, latency),
+        f"{block.name}.h": header.header(rounded, made.memory, made.program, header_notes, warning, latency),
+        f"{block.name}.md": datasheet.markdown(block.name, sheets, warning),
     }
     observed = diagnostics.manifest_entry(rounded, made.program)
     document = manifest.manifest(rounded, made.memory, texts, made.surrogates, made.lines, made.numbers, observed)
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document, warning)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))
-    return EmittedCode(texts, json.loads(texts["manifest.json"]), made.reduced, parts)
+    return EmittedCode(texts, json.loads(texts["manifest.json"]), made.reduced, parts, sheets)
 
 
 def with_casadi_c(emitted: EmittedCode, block: Block, error: float | None = None) -> EmittedCode:

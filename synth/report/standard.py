@@ -16,7 +16,6 @@ import numpy as np
 from synth import show
 from synth.analyse.loops.stability_margins import Margins
 from synth.block import Block
-from synth.emit.proof import word_length
 from synth.emit.write import EmittedCode
 from synth.plant import Plant
 from synth.report import bode, figures, gains_table, page, sections
@@ -33,7 +32,7 @@ from synth.statespace import StateSpace
 from synth.timing import Discrete
 from synth.verify.suite import Evidence
 
-MODEL, LAW, GAINS, FILES = "Model", "Control law", "Gains and certificates", "Files"
+MODEL, LAW, GAINS, DATASHEET, FILES = "Model", "Control law", "Gains and certificates", "Datasheet", "Files"
 WITNESSES = (
     "reference: NumPy, written from the equations, with independently computed gains. casadi: evaluation by CasADi. "
     "casadi_c: C of CasADi's code generator, double. c64, c32: the emitted C in double and single precision."
@@ -137,6 +136,7 @@ def experiments(runs: Sequence[Experiment], shown: Shown, blocks: Sequence[page.
 
 
 def _experiment(run: Experiment, shown: Shown) -> Section:
+    shown = replace(shown, units={**run.trajectory.units, **shown.units})
     table, extra_blocks, time_window = (
         by_channel(run.figures, shown.channels),
         shown.blocks.get(run.name, ()),
@@ -173,13 +173,19 @@ def verification(evidence: Evidence, floor: str = "") -> Section:
     return Section(VERIFICATION, (text, sections.agreements(evidence.agreements), checks))
 
 
+def datasheets(emitted: Mapping[str, EmittedCode]) -> Section:
+    """Return the datasheet of each emitted Block, by folder."""
+
+    def parts(sheets: Sequence[show.Sheet]) -> tuple[Section, ...]:
+        return tuple(Section(s.title, (*map(page.Text, s.lines), *s.tables)) for s in sheets)
+
+    return Section(DATASHEET, (), tuple(Section(folder, (), parts(each.datasheet)) for folder, each in emitted.items()))
+
+
 def files(emitted: Mapping[str, EmittedCode]) -> Section:
-    """Return the size and hash of each emitted file, by folder, and what the scalar type does to linear dynamics."""
-    changed = {folder: each for folder, each in emitted.items() if each.parts}
-    changes = [(f, line) for f, e in changed.items() for line in word_length.summary(e.parts, e.manifest["scalar"])]
-    rounding = [show.Table("Rounding of the linear dynamics", ("folder", "figures"), tuple(changes))] if changes else []
+    """Return the size and hash of each emitted file, by folder."""
     texts = {f"{folder}/{name}": text for folder, each in emitted.items() for name, text in each.files.items()}
-    return Section(FILES, (sections.files(texts), *rounding))
+    return Section(FILES, (sections.files(texts),))
 
 
 def list_signals(signals: Iterable[Signal]) -> str:

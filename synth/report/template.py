@@ -87,6 +87,7 @@ def report(stage: Stage, results: Results) -> str:
         **({standard.AUDIT: lambda: standard.audit(rows)} if rows else {}),
         standard.VERIFICATION: lambda: standard.verification(evidence, extra.floor),
         first_screen.COST: lambda: _with_blocks(sections.cost(cost), extra.cost(runs) if cost else ()),
+        standard.DATASHEET: lambda: standard.datasheets(files),
         standard.FILES: lambda: standard.files(files),
     }
     replaced = {s.title: s for s in extra.sections}

@@ -54,10 +54,10 @@ def test_an_index_that_may_leave_the_table_is_not_emitted(low: float, high: floa
         emit(lookup_block(low, high), np.float32)
 
 
-def test_a_table_is_printed_once_in_the_step_that_reads_it() -> None:
+def test_a_table_is_printed_once_before_the_step_that_reads_it() -> None:
     text = emit(lookup_block(), np.float32).files["lookup.c"]
     assert text.count("static const float numbers[5] = {") == 1
-    assert text.index("uint32_t lookup_step") < text.index("static const float numbers") < text.index("numbers[(uint")
+    assert text.index("static const float numbers") < text.index("uint32_t lookup_step") < text.index("numbers[(uint")
 
 
 def test_two_tables_of_one_name_are_refused() -> None:

@@ -39,7 +39,7 @@ def filter_block(k: float = 0.1, high: float = 3.0) -> Block:
 def test_the_same_block_gives_the_same_bytes(scalar: type[np.floating]) -> None:
     first, again = emit(filter_block(), scalar), emit(filter_block(), scalar)
     assert first == again
-    assert set(first.files) == {"lagged.c", "lagged.h", "manifest.json", "gains.json"}
+    assert set(first.files) == {"lagged.c", "lagged.h", "lagged.md", "manifest.json", "gains.json"}
 
 
 def test_another_process_gives_the_same_bytes() -> None:

@@ -178,7 +178,8 @@ def test_a_stage_without_reference_is_refused_where_it_is_verified() -> None:
 
 def test_test_vectors_are_a_closed_loop_up_to_the_latch() -> None:
     files = standard_tasks.emit(PID.DESIGN, np.float32)["levitator_pid"]
-    assert set(files.files) == {"levitator_pid.c", "levitator_pid.h", "manifest.json", "gains.json", "vectors.json"}
+    written = {f"levitator_pid.{kind}" for kind in ("c", "h", "md")}
+    assert set(files.files) == {*written, "manifest.json", "gains.json", "vectors.json"}
     controller = host.load(files.files, files.manifest)
     inputs = standard_tasks.record(standard_tasks.rig(PID.DESIGN, np.float32))
     faults = controller.replay(inputs).faults
@@ -460,7 +461,7 @@ def test_a_servo_follows_a_set_point_that_names_the_output_behind_its_sensor() -
 def test_a_header_has_a_sentence_a_paragraph(tmp_path: Path) -> None:
     file = tmp_path / "header.md"
     file.write_text("It rests\non its stop at {stop:g} mm.\n\nThen it lifts.\n")
-    assert stage.read_header(file, stop=31.0) == ["It rests on its stop at 31 mm.", "Then it lifts."]
+    assert stage.read_notes(file, stop=31.0) == ["It rests on its stop at 31 mm.", "Then it lifts."]
     for values in ({}, {"stop": 31.0, "gap": 2.0}):
         with pytest.raises(DesignError, match=r"header.md: found values of .*, need those of its .*'stop'"):
-            stage.read_header(file, **values)
+            stage.read_notes(file, **values)

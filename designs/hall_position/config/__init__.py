@@ -94,7 +94,7 @@ def controller() -> Controller:
 def header_notes() -> list[str]:
     """Return the sentences of the C's header."""
     of = COLD_START
-    return stage.read_header(
+    return stage.read_notes(
         Path(__file__).parents[1] / "header.md",
         yaw=of.yaw,
         radius=1e3 * of.radius,

@@ -86,7 +86,7 @@ def block(tuning: Tuning | None = None, name: str = NAME) -> Block:
 def header_notes(name: str) -> list[str]:
     """Return for which bodies and voltages the estimate and its protection levels hold."""
     of, promise = TUNINGS[name], PROMISES[name]
-    start, four, three = stage.read_header(
+    start, four, three = stage.read_notes(
         Path(__file__).with_name("header.md"),
         yaw=promise.yaw,
         starts=100 * promise.starts,

@@ -14,8 +14,7 @@ by CasADi behind the header of the emitted C, in its scalar type.
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from textwrap import wrap
 
@@ -25,7 +24,8 @@ from synth.block import Block
 from synth.emit.c import diagnostics, routines
 from synth.emit.c.expressions import constant, literal, mask
 from synth.emit.c.header import init_head, step_head
-from synth.emit.c.lines import Line, comment, prose
+from synth.emit.c.lines import Line, comment, opening, prose
+from synth.emit.c.printer import Body
 from synth.emit.passes.guards import guard_function
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program.layout import Layout
@@ -96,24 +96,23 @@ def casadi_source(block: Block, layout: Layout) -> str:
     return "\n".join(rows)
 
 
-def source(
-    block: Block, program: Program, surrogates: Sequence[Surrogate], layout: Layout, body: Sequence[Line]
-) -> list[Line]:
+def source(block: Block, program: Program, surrogates: Sequence[Surrogate], layout: Layout, body: Body) -> list[Line]:
     """Return the lines of <name>.c around the `body` of its step."""
     programs = (program, *(c.routine.program for c in program.calls.values()))
     used = {n.op for q in programs for n in q.nodes}
     parts = [f"/* {block.name}. Generated: do not edit. */"]
-    if any("@ admit" in line.text for line in body):
+    printed = [*body.lines, *(line for side in body.sides for line in side.lines)]
+    if any("@ admit" in line.text for line in printed):
         parts += ["/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */"]
     parts += [f'#include "{block.name}.h"', "#include <float.h>"]
     symmetric = any(n.op == "guard" and guard_function(n).endswith("_within") for n in program.nodes)
     parts += ["#include <math.h>"] if symmetric or used & (LIBM | {"clamp"}) else []
     called = routines.functions(block, program, layout)
-    compares = any(f"{block.name}_equal(" in line.text for line in (*called, *body))
+    compares = any(f"{block.name}_equal(" in line.text for line in (*called, *printed))
     parts += ["#include <stdbool.h>"] if compares or "logical" in kinds(program) else []
     parts += [*(["#include <stddef.h>"] if diagnostics.records(program) else []), *_refusals()]
     parts += _helpers(block.name, used, layout)
-    if any("_flag(" in line.text for line in (*called, *body) if "/*" not in line.text):
+    if any("_flag(" in line.text for line in (*called, *printed) if "/*" not in line.text):
         parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
     parts += _equal(block.name, layout) if compares else []
@@ -126,19 +125,33 @@ def source(
     parts += _matrices(block.name, {n: program.matrices[n] for n in names}, layout) if names else []
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
-    shared = [row for declare in _constants(block, program, layout).values() for row in declare("    ")]
+    shared = _constants(block, program, layout, body.lines)
     observes = diagnostics.records(program)
     head = step_head(block.name)
     if observes:
         pointers = head.partition("(")[2].removesuffix(")")
         pointers += f", {diagnostics.parameter(block, program)}"
         head = f"{routines.inline(block)} uint32_t {block.name}_body({pointers})"
-    step = [*_init(block, layout), "", head, "{", *shared, *([""] if shared else [])]
+    step = [*_init(block, layout), "", head, "{", *shared]
     step += diagnostics.entry_statements(program)
-    ending = diagnostics.exit_statements(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
+    ending = diagnostics.exit_statements(block, program, body.lines[-1].text.removeprefix("    return ").rstrip(";"))
     last = ["}", *(["", *diagnostics.steps(block, step_head(block.name))] if observes else [])]
-    called += _guard_inputs(block, program, layout)
-    return [*map(Line, parts), *called, *map(Line, step), *body[:-1], *map(Line, [*ending, body[-1].text, *last])]
+    called += [*_guard_inputs(block, program, layout), *map(Line, routines.parameters(block, program, layout))]
+    for side in body.sides:
+        constants = _constants(block, program, layout, side.lines)
+        called += [
+            *map(Line, [*opening([side.about], ()), side.head, "{", *constants]),
+            *side.lines,
+            Line("}"),
+            Line(""),
+        ]
+    return [
+        *map(Line, parts),
+        *called,
+        *map(Line, step),
+        *body.lines[:-1],
+        *map(Line, [*ending, body.lines[-1].text, *last]),
+    ]
 
 
 def _refusals() -> list[str]:
@@ -325,23 +338,16 @@ def _sums(names: Sequence[str], ctype: str, columns: int) -> list[str]:
     return [f"        {row.replace('(i + 0u)', 'i').replace('i + 0u', 'i')}" for row in rows]
 
 
-def _constants(block: Block, program: Program, layout: Layout) -> dict[str, Callable[[str], Sequence[str]]]:
-    """Return by name in C what declares each constant of the step behind an indentation."""
+def _constants(block: Block, program: Program, layout: Layout, lines: Sequence[Line]) -> list[str]:
+    """Return the declarations of the constants that some lines of the step read, before an empty line."""
     operands = {program.nodes[a] for n in program.nodes if n.op != "guard" for a in n.args}
     operands |= {program.nodes[k] for k in program.ends()}
     read = {n.name for n in operands if n.op in ("constant", "literal")}
     read |= {n.name for call in program.calls.values() if call.routine.by_value for n in call.numbers}
-    declared: dict[str, Callable[[str], Sequence[str]]] = {}
-    for c in block.constants:
-        if c.name in read:
-            declared[constant(c.name)] = partial(routines.number, constant(c.name), c, layout)
-    for name, text in routines.parameters(block, program, layout).items():
-        declared[name] = partial(_behind, text)
-    return declared
-
-
-def _behind(text: str, indent: str) -> list[str]:
-    return [indent + text]
+    words = {*re.findall(r"\w+", "\n".join(line.text for line in lines))}
+    names = {constant(c.name): c for c in block.constants if c.name in read}
+    rows = [row for name, c in names.items() if name in words for row in routines.number(name, c, layout)]
+    return [*rows, ""] if rows else []
 
 
 def _init(block: Block, layout: Layout) -> list[str]:

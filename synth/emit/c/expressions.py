@@ -26,6 +26,7 @@ sizeof static struct switch template this throw try typedef typename union unsig
 """  # of C and of C++, which compiles the source as well
 RESERVED |= {*_KEYWORDS.split()}
 HELPERS = ("min", "max", "limit", "flag", "slew", "equal")
+WORD, ACCEPTED = "faults", "accepted"  # the fault word, and the inputs behind their guards
 GUARDS = ("hold", "hold_within", "replace", "replace_within")
 INLINE = ("literal", "constant", "argument", "parameter")  # printed wherever they are read
 
@@ -137,7 +138,7 @@ class Expressions:
         if op in ("input", "state"):
             return Text(f"in->{node.name}" if op == "input" else f"state->{self.p.paths.get(node.name, node.name)}")
         if op == "argument":
-            return Text(node.name)
+            return Text("->".join(self.p.members.get(node.name, (node.name,))))
         if op == "parameter":
             parameter = node.name if self.p.by_value else f"parameters->{node.name}"
             return Text(f"-{parameter}", 7) if node.value < 0 else Text(parameter)

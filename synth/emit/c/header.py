@@ -1,65 +1,21 @@
-"""C header of a lowered Block: how to call it, three structs, `init` and `step`; C++ may include it.
+"""C header of a lowered Block: what a caller must know to compile and to call it; C++ may include it.
 
-Table of failures in the header: one row a failure, its cells wrapped in columns.
+First come contract, inputs, outputs, `init` and `step`, then the state, which the caller owns and only they use. What
+may fail and where the numbers come from says the datasheet beside it, see `datasheet`.
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import zip_longest
 from textwrap import wrap
 
-from synth.block import Block, Constant, Fault
+from synth.block import Block, Fault
 from synth.blocks.guard import missed_calls
 from synth.blocks.guard import safety as guards
 from synth.emit.c import diagnostics, routines
 from synth.emit.c.lines import member, prose, rows
 from synth.emit.program.layout import Layout, Struct
 from synth.emit.program.lower import Program
-from synth.fault import Failure
-from synth.signals import Signal
-
-COLUMNS = {"what fails": 20, "noticed by, and when": 33, "used instead": 18, "what follows": 37}
-_BETWEEN = " | "
-
-
-def failure_rows(block: Block) -> list[str]:
-    """Return the lines of the table of a Block, none for one without failures."""
-    if not block.failures:
-        return []
-    rule = "-+-".join("-" * width for width in COLUMNS.values())
-    lines = _row(tuple(COLUMNS))
-    for f in block.failures:
-        noticed = "; ".join(filter(None, (_bits(block, f), f.noticed)))
-        lines += [rule, *_row((f.what, noticed, f.instead, f.reaction))]
-    return lines
-
-
-def _bits(block: Block, failure: Failure) -> str:
-    """Return the bits of the fault word that a failure sets."""
-    bits = [
-        *(f.bit for f in block.faults if f.input in failure.inputs),
-        *(f.bit for f in block.faults if f.suspect in failure.suspects),
-    ]
-    runs: list[list[int]] = []
-    for bit in sorted(bits):
-        if runs and bit == runs[-1][-1] + 1:
-            runs[-1].append(bit)
-        else:
-            runs.append([bit])
-    texts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
-    return f"{'bit' if len(bits) == 1 else 'bits'} {', '.join(texts)}" if bits else ""
-
-
-def _row(texts: Sequence[str]) -> list[str]:
-    """Return the lines of a row."""
-    columns = [wrap(prose(t), width, break_on_hyphens=False) for t, width in zip(texts, COLUMNS.values(), strict=True)]
-    return [
-        _BETWEEN.join(cell.ljust(width) for cell, width in zip(line, COLUMNS.values(), strict=True)).rstrip()
-        for line in zip_longest(*columns, fillvalue="")
-    ]
-
 
 WIDTH = 117
-_ITEM = "  - "  # begins an item of a list
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno"
 LATCHED = "latched until init"
 UNSEEN = (
@@ -78,35 +34,24 @@ def header(
     """
     types = routines.state_types(block, program)
     guard = f"{block.name.upper()}_H"
-    structs = [*routines.state_structs(block, program, layout), *(_struct(s, types) for s in layout.structs)]
+    state, called = layout.state, [s for s in layout.structs if s is not layout.state]
     return "\n".join(
         [
             *_usage(block, layout, program, notes, warning, latency),
             *(f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", ""),
             *("#ifdef __cplusplus", 'extern "C" {', "#endif", ""),
-            "\n\n".join(structs),
-            *("", "/* The layout is the same on every target. */", *_size_checks(block, layout), ""),
-            *("/* Put the state to its initial values. The caller owns it. */", f"{init_head(block.name)};", ""),
+            *(f"typedef struct {state.tag} {state.type};", ""),
+            "\n\n".join(_struct(s) for s in called),
+            *("", "/* Put the state to its initial values. The caller owns it. */", f"{init_head(block.name)};", ""),
             *("/* Compute one sample: read `in`, write `out`, advance `state`.", *_faults(block), " */"),
             *(*rows(f"{step_head(block.name)};"), ""),
+            "/* What follows is for init and step alone: the state, by Block. */",
+            "\n\n".join([*routines.state_structs(block, program, layout), _state(state, types)]),
+            *("", "/* The layout is the same on every target. */", *_size_checks(block, layout), ""),
             *diagnostics.declaration(block, layout, program),
             *("#ifdef __cplusplus", "}", "#endif", "", "#endif", ""),
         ]
     )
-
-
-def by_parameter(numbers: Sequence[Constant]) -> list[str]:
-    """Return which named constants follow from which parameter of the plant, as a note."""
-    names: dict[str, list[str]] = {}
-    for number in numbers:
-        for parameter in number.parameters:
-            names.setdefault(parameter, []).append(number.name)
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for parameter, constants in names.items():
-        groups.setdefault(tuple(sorted(constants)), []).append(parameter)
-    said = "; ".join(f"{', '.join(sorted(of))}: {', '.join(constants)}" for constants, of in sorted(groups.items()))
-    about = "Named constants that follow from parameters of the plant, by parameter"
-    return [f"{about}: {said}. Gains, polynomials and bounds may follow from them too."] if said else []
 
 
 def init_head(name: str) -> str:
@@ -125,19 +70,17 @@ def _usage(
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
     at_once = "" if latency else ", and use its outputs at once"
-    texts: list[Sequence[str]] = [
+    texts = [
         *([f"{name}: {warning}"] if warning else []),
-        f"{name}: one step every {period}, {layout.ctype}. Generated: do not edit.",
+        f"{name}: one step every {period}, {layout.ctype}. Generated: do not edit. What may fail and what follows: "
+        f"{name}.md.",
         f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample{at_once}. Nothing "
         "else may change the state.",
         *_latency(block, latency),
         "The three pointers must not be null and must point to objects that do not overlap. One state serves one "
-        "machine; steps "
-        "on different states may run at the same time.",
+        "machine; steps on different states may run at the same time.",
         *_safe_output(block),
-        *_replacements(block),
         *_missed_calls(block),
-        *(["What may fail, and what follows:", failure_rows(block)] if block.failures else []),
         *notes,
         f"The gains and numbers in {name}.c hold for one plant and one period: for other masses, geometry or magnets, "
         "or another period, generate the files again. gains.json says where each gain comes from.",
@@ -145,14 +88,7 @@ def _usage(
         f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error. "
         f"{UNSEEN}",
     ]
-    said: list[str] = []
-    for text in texts:
-        if not isinstance(text, str):
-            said += text
-            continue
-        said += [""] if not text.startswith(_ITEM) else []
-        indent = " " * len(_ITEM) if text.startswith(_ITEM) else ""
-        said += wrap(prose(text), WIDTH, subsequent_indent=indent, break_on_hyphens=False)
+    said = [row for text in texts for row in ("", *wrap(prose(text), WIDTH, break_on_hyphens=False))]
     return [f"/* {said[1]}", *(f" * {row}".rstrip() for row in said[2:]), " */"]
 
 
@@ -179,27 +115,6 @@ def _latency(block: Block, samples: int) -> list[str]:
     ]
 
 
-def _replacements(block: Block) -> list[str]:
-    """Return what the step takes in place of a refused input."""
-    initial = {s.name: s.initial for s in block.states} | {c.name: c.value for c in block.constants}
-    signals = {s.name: s for s in block.inputs}
-    guarded = {f.output.removeprefix("fault_"): signals[f.input] for f in block.faults if f.input}
-    replaced = block.safety.judgement.measurements if block.safety and block.safety.judgement else ()
-    guarded = {n: s for n, s in guarded.items() if s.name not in replaced}
-    last, fixed = (
-        {s: initial[name] for n, s in guarded.items() if (name := f"{guards.GUARD}_{of}_{n}") in initial}
-        for of in ("last", "refused")
-    )
-    elsewhere = {n for f in block.failures if f.instead != guards.INITIAL for n in f.inputs}
-    fixed = {s: value for s, value in fixed.items() if s.name not in elsewhere}  # else the table says what is used
-    texts = [f"by its last good value, and before its first good value by {_values(last)}"] if last else []
-    texts += [f"{'always ' if last else ''}by {_values(fixed)}"] if fixed else []
-    if not texts:
-        return []
-    others = "; a refused measurement is replaced by what the others or a prediction say, from the first sample on"
-    return [f"A refused input is replaced {', or '.join(texts)}{others if replaced else ''}."]
-
-
 def _missed_calls(block: Block) -> list[str]:
     """Return what a caller must do about missed calls, for a Block that has an input of their number."""
     fault = next((f for f in block.faults if f.input == missed_calls.MISSED_CALLS), None)
@@ -212,14 +127,6 @@ def _missed_calls(block: Block) -> list[str]:
         "and neither brakes nor latches: the caller must then stop the motion, by set-points that no longer move or by "
         "the safe output and init at rest."
     ]
-
-
-def _values(initial: Mapping[Signal, float]) -> str:
-    """Return values with the names of their inputs, those of one value together."""
-    groups: dict[str, list[str]] = {}
-    for signal, value in initial.items():
-        groups.setdefault(f"{value:g} {signal.unit}".removesuffix(" 1"), []).append(signal.name)
-    return ", ".join(f"{value} ({', '.join(names)})" for value, names in groups.items())
 
 
 def _safe_output(block: Block) -> list[str]:
@@ -248,11 +155,8 @@ def _safe_output(block: Block) -> list[str]:
         values.setdefault((value, units[name]), []).append(name)
     landed = "; ".join(f"{', '.join(names)} to {v:g} {u}" for (v, u), names in values.items())
     stop = f" While the machine rests on the stop on which it has landed, they move to others, as fast: {landed}."
-    consequences = [f"{_ITEM}{clause}" for clause in safety.safe_output_effect.split("; ") if clause]
     return [
         f"{latches}, and the outputs move to the safe output: {slews}.{stop if landed else ''}",
-        *(["What this does to the machine:"] if consequences else []),
-        *consequences,
         "Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only "
         "with the machine at rest: the outputs of the first step after it are not slewed.",
     ]
@@ -290,6 +194,11 @@ def _size_checks(block: Block, layout: Layout) -> list[str]:
     return [standard, *asserted, "#else", *arrays, "#endif"]
 
 
-def _struct(struct: Struct, types: Mapping[str, str]) -> str:
+def _struct(struct: Struct) -> str:
+    members = [member(f.ctype, f.name, f.comment) for f in struct.fields]
+    return "typedef struct {\n" + "\n".join(members) + f"\n}} {struct.type};"
+
+
+def _state(struct: Struct, types: Mapping[str, str]) -> str:
     members = [routines.state_member(f, types) if f.part else member(f.ctype, f.name, f.comment) for f in struct.fields]
-    return "typedef struct {\n" + "\n".join(dict.fromkeys(members)) + f"\n}} {struct.type};"
+    return f"struct {struct.tag} {{\n" + "\n".join(dict.fromkeys(members)) + "\n};"

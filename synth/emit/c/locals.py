@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 from synth.block import Block
 from synth.emit.c import diagnostics
-from synth.emit.c.expressions import INLINE, RESERVED, constant
+from synth.emit.c.expressions import ACCEPTED, INLINE, RESERVED, WORD, constant
 from synth.emit.passes.schedule import Assign, Branch, Let, Statement, Store
 from synth.emit.program.lower import Node, Program
 
 LOADS = ("input", "state")
 SUMS = ("add", "sub")
-WORD, ACCEPTED = "faults", "accepted"
 
 
 class Names:
@@ -66,6 +65,7 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     taken |= {n.name for n in program.nodes if n.op == "polynomial"}
     taken |= {constant(n.name) for n in program.nodes if n.op == "table"}
     taken |= {n.name for n in program.nodes if n.op in ("argument", "parameter")}
+    taken |= {struct for struct, _ in program.members.values()}
     taken |= {c.parameters for c in program.calls.values()} | {ACCEPTED}
     names = Names(taken)
     name = _name_nodes(program, names, shared)

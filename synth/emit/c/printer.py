@@ -6,8 +6,10 @@ Locals are `const` unless an `if` assigns their value.
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from textwrap import wrap
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,7 +17,7 @@ from synth.block import Block
 from synth.blocks.guard import safety
 from synth.emit.c import diagnostics, naming
 from synth.emit.c import locals as variables
-from synth.emit.c.expressions import Expressions, Text, admission, mask
+from synth.emit.c.expressions import ACCEPTED, WORD, Expressions, Text, admission, mask
 from synth.emit.c.lines import Line, alternative, opening, prose
 from synth.emit.c.locals import LOADS
 from synth.emit.c.routine import Routine
@@ -25,11 +27,38 @@ from synth.emit.program.lower import Node, Program
 from synth.emit.proof.ranges import kinds
 
 _WIDTH = 108
+TWICE = 40  # characters of an expression that the diagnostics state again
+# The functions of the two sides of the latch, and what each is.
+SIDES = {
+    "latched": "what the step does once it is latched",
+    "law": "the law: what the step computes unless it is latched",
+}
+LONG = 20  # lines of a side that has a function: a shorter one stands in the step
+_LOCAL = re.compile(r"    (?:const )?(?!static |return )(\w+) (\w+)(?: = .*)?;")
+_ARRAY = re.compile(r"    (?:const )?\w+ (\w+)\[")
+T = TypeVar("T")
 
 
-def body(block: Block, p: Program, statements: Sequence[Statement], scalar: type[np.floating]) -> list[Line]:
-    """Return the lines of the step function between its braces."""
-    return _print(lambda late: _Printer(block, p, statements, scalar, late).lines)
+@dataclass(frozen=True)
+class Side:
+    """A function of one side of the latch: what it is, its head, and its lines between the braces."""
+
+    about: str
+    head: str
+    lines: list[Line]
+
+
+@dataclass(frozen=True)
+class Body:
+    """The lines of the step between its braces, and the sides of the latch that have functions."""
+
+    lines: list[Line]
+    sides: list[Side]
+
+
+def body(block: Block, p: Program, statements: Sequence[Statement], scalar: type[np.floating]) -> Body:
+    """Return the step function."""
+    return _print(lambda late: _Printer(block, p, statements, scalar, late).step)
 
 
 def routine(block: Block, r: Routine, title: str, scalar: type[np.floating]) -> list[Line]:
@@ -38,7 +67,7 @@ def routine(block: Block, r: Routine, title: str, scalar: type[np.floating]) -> 
     return _print(lambda late: partial(_Printer(block, r.program, statements, scalar, late).routine, r, title))
 
 
-def _print(printer: Callable[[set[str | int]], Callable[[], list[Line]]]) -> list[Line]:
+def _print(printer: Callable[[set[str | int]], Callable[[], T]]) -> T:
     """Print; a load read after a store of its state, a sum that is cast or a bare arm is a local the next time."""
     late: set[str | int] = set()
     while True:
@@ -70,6 +99,7 @@ class _Printer:
         self.unread = Counter[str]()  # how often a line will read it
         self.columns = dict[tuple[int, ...], str]()  # arrays of what matrices multiply
         self.sharing = Counter[tuple[int, ...]]()  # how many products of a block multiply it
+        self.latch, self.sides = parts.latch(program), list[Side]()
 
     def routine(self, routine: Routine, title: str) -> list[Line]:
         """Return the lines of a routine's body."""
@@ -84,22 +114,22 @@ class _Printer:
             self._put(f"return ({self.block.name}_{routine.name}_t){{{fields}}};", 1)
         return self.printed
 
-    def lines(self) -> list[Line]:
-        """Return the lines."""
+    def step(self) -> Body:
+        """Return the step."""
         self._block(self.statements, 1)
         self.tag = ""
         idle = [p for p in ("in", "state") if not any(re.search(rf"\b{p}(->|,)", line.text) for line in self.printed)]
         self.printed[:0] = [*(Line(f"    (void){pointer};") for pointer in idle), *([Line("")] if idle else [])]
-        self.printed = [*self._with_headings(), Line("")]
+        self.printed = [*self._with_headings(self.printed), Line("")]
         self._put(f"return {'0u' if self.p.word is None else self.c.integer(self.p.word).c};", 1)
-        return self.printed
+        return Body(self.printed, self.sides)
 
-    def _with_headings(self) -> list[Line]:
+    def _with_headings(self, lines: Sequence[Line]) -> list[Line]:
         """Return the lines with a comment before the first one of each Block that has no function: it has its own."""
         called = {call.block for call in self.p.calls.values()}
         titles = {prose(title): block for block, title in self.p.titles.items() if block not in called}
         printed: list[Line] = []
-        for line in self.printed:
+        for line in lines:
             block = titles.pop(line.tag, "")
             if block and not line.text.strip().startswith("}"):
                 indent = line.text[: -len(line.text.lstrip())]
@@ -170,7 +200,7 @@ class _Printer:
         if not self.locals.reads[k]:
             return
         if node.op == "guarded" or (node.op == "input" and self._is_guarded(k)):
-            self.c.text[k] = Text(variables.WORD) if node.op == "guarded" else self.c.of(k)
+            self.c.text[k] = Text(WORD) if node.op == "guarded" else self.c.of(k)
             return
         if node.op == "result":
             self.c.text[k] = Text(self.returned[node.name])
@@ -189,6 +219,7 @@ class _Printer:
             return
         unnamed = k not in self.locals.name or k in self.locals.next_only
         waits = self.locals.reads[k] <= 1 and unnamed and node.op not in (*LOADS, "within") and k not in self.late
+        waits = waits and (k not in self.watched.signals or len(text.c) <= TWICE)
         # An analyser learns from a condition what it does not learn from a variable that holds it.
         width = _WIDTH if self.kinds[k] != "logical" else 2 * _WIDTH
         if waits and (self.naming.width(text.c) < width or k in self.locals.at_once):
@@ -244,6 +275,8 @@ class _Printer:
             self._block(side, depth + 1)
             sides.append(self.printed)
         (then, other), self.printed, self.tag, self.columns = sides, before, tag, outside
+        if s.condition == self.latch and depth == 1:
+            then, other = map(self._as_function, SIDES, (then, other))
         if then:
             self._put(f"if ({condition.c}) {{", depth)
             self.printed += then
@@ -254,6 +287,54 @@ class _Printer:
             self.printed += alternative(other, depth, self.tag)
         else:
             self._put("}", depth)
+
+    def _as_function(self, side: str, lines: list[Line]) -> list[Line]:
+        """Return the call of a function with these lines; it is passed the locals that they read, structs by pointer.
+
+        They stay as they are where they are few, assign several of these locals, or read an array.
+        """
+        text = "\n".join(line.text for line in lines)
+        read = [p for p in ("state", "in", "out", "diagnostics") if re.search(rf"\b{p}\b", text)]
+        outside = [
+            m
+            for line in self.printed
+            if (m := _LOCAL.fullmatch(line.text)) and re.search(rf"(?<![.>])\b{m[2]}\b", text)
+        ]
+        assigned = [m for m in outside if re.search(rf"^ +{m[2]} (\|)?= ", text, re.MULTILINE)]
+        arrays = [m[1] for line in self.printed if (m := _ARRAY.match(line.text))]
+        reads_array = any(re.search(rf"\b{name}\b", text) for name in arrays)
+        if len(lines) < LONG or len(assigned) > 1 or any(" = " in m[0] for m in assigned) or reads_array:
+            return lines
+        name, pointers = self.block.name, dict(self._pointers())
+        structs = [m[2] for m in outside if m[1].startswith(name)]
+        passed = [m for m in outside if m not in assigned]
+        types = [f"const {m[1]} *{m[2]}" if m[2] in structs else f"{m[1]} {m[2]}" for m in passed]
+        values = [f"&{m[2]}" if m[2] in structs else m[2] for m in passed]
+        first, last = [p for p in read if p in ("state", "in")], [p for p in read if p in ("out", "diagnostics")]
+        order = [*(pointers[p] for p in first), *types, *(pointers[p] for p in last)]
+        result, target = (assigned[0][1], assigned[0][2]) if assigned else ("void", "")
+        head = f"{name.upper()}_INLINE {result} {name}_{side}({', '.join(order)})"
+        used = re.compile(rf"&({'|'.join(structs)})\b|\b({'|'.join(structs)})\.") if structs else re.compile(r"(?!)")
+        inside = [Line(f"    {result} {target};"), Line("")] if assigned else []
+        inside += self._with_headings(
+            [
+                replace(line, text=used.sub(lambda m: m[1] or f"{m[2]}->", line.text.removeprefix("    ")))
+                for line in lines
+            ]
+        )
+        inside += [Line(f"    return {target};")] if assigned else []
+        self.sides.append(Side(SIDES[side], head, inside))
+        call = f"{name}_{side}({', '.join([*first, *values, *last])});"
+        return [Line(f"        {f'{target} = ' if assigned else ''}{call}")]
+
+    def _pointers(self) -> dict[str, str]:
+        name = self.block.name
+        return {
+            "state": f"{name}_state_t *state",
+            "in": f"const {name}_input_t *in",
+            "out": f"{name}_output_t *out",
+            "diagnostics": diagnostics.parameter(self.block, self.p),
+        }
 
     def _store(self, s: Store, depth: int) -> None:
         node = self.p.nodes[s.node]
@@ -274,10 +355,10 @@ class _Printer:
         source, *_, word = node.args
         if self.p.nodes[word].op == "literal":
             state = "state, " if any(n.op == "guard" and n.name for n in self.p.nodes) else ""
-            call = f"{self.block.name}_guard_inputs({state}in, &{variables.WORD})"
-            self._put(f"uint32_t {variables.WORD} = 0u;", depth)
-            self._put(f"const {self.block.name}_input_t {variables.ACCEPTED} = {call};", depth)
-        self.c.text[k] = Text(f"{variables.ACCEPTED}.{self.p.nodes[source].name}")
+            call = f"{self.block.name}_guard_inputs({state}in, &{WORD})"
+            self._put(f"uint32_t {WORD} = 0u;", depth)
+            self._put(f"const {self.block.name}_input_t {ACCEPTED} = {call};", depth)
+        self.c.text[k] = Text(f"{ACCEPTED}.{self.p.nodes[source].name}")
 
     def _is_guarded(self, k: int) -> bool:
         """Tell whether only a guard reads an input."""
@@ -292,7 +373,10 @@ class _Printer:
             passed += [self.c.number(n).c for n in call.numbers]
         elif routine.parameters:
             passed += [f"&{call.parameters}"]
-        passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
+        for a, argument in zip(node.args, routine.arguments, strict=False):
+            text = self.c.as_kind(a, argument.kind).c
+            struct = f"&{text.partition('.')[0]}" if argument.name in routine.program.members else ""
+            passed += [] if struct in passed else [struct or text]
         passed += ["diagnostics"] if diagnostics.records(routine.program) else []
         text = f"{self.block.name}_{routine.name}({', '.join(passed)});"
         if len(routine.results) == 1:

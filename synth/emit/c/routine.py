@@ -9,12 +9,12 @@ The states whose next values a call stores are one state of the step's program, 
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from synth.block import ComputedSignal
 from synth.emit.c import diagnostics
-from synth.emit.c.expressions import GUARDS, HELPERS, RESERVED
+from synth.emit.c.expressions import ACCEPTED, GUARDS, HELPERS, RESERVED
 from synth.emit.c.locals import Names
 from synth.emit.c.naming import Naming
 from synth.emit.passes.parts import BOTH, THEN, Form, Part, latch
@@ -24,10 +24,12 @@ from synth.emit.proof.ranges import kinds
 
 Group = list[tuple[Part, Form]]
 BY_VALUE = 1  # numbers that need no struct, where the code reads each of them
+MEMBERS = 2  # of a struct that a function reads, for which it is passed the struct
 LARGE = 60  # operations of a function that is worth its calls where the size of the code counts
 LOADS = ("input", "state", "constant", "literal", "argument", "parameter")
 _ORDER = {"integer": 1, "logical": 2}  # of members of a struct, the others first
-TAKEN = {*HELPERS, *GUARDS, "times", "init", "step", "body", "guard_inputs", "input", "output", "state"}
+STEP = ("init", "step", "body", "guard_inputs", "law", "latched", "input", "output", "state")
+TAKEN = {*HELPERS, *GUARDS, *STEP, "times"}
 
 
 class Argument(NamedTuple):
@@ -42,7 +44,7 @@ class Routine:
     """A part that several Blocks have in common.
 
     `states` are the local names of the states it reads, those it stores first; `parameters` the local names of the
-    numbers that differ.
+    numbers that differ. `structs` are the types of those of which it reads several members, by their names there.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Routine:
     results: tuple[Argument, ...]
     states: tuple[str, ...]
     constants: Mapping[str, str]
+    structs: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def members(self) -> tuple[Argument, ...]:
@@ -261,10 +264,45 @@ def outlined(p: Program, constants: Mapping[str, float], groups: Sequence[Group]
     for group in groups:
         calls |= _calls(p, group, taken, constants)
         parts |= {part.key: (part, form) for part, form in group}
-    made = _Rewriter(p, parts, calls).program()
+    made = _with_structs(_Rewriter(p, parts, calls).program())
     reached = {call.block for call in calls.values() if call.states}
     blocks = {state: block for state in p.next if (block := p.owner(state)) in reached}
     return replace(made, paths={s: f"{block}.{s.removeprefix(f'{block}_')}" for s, block in blocks.items()})
+
+
+def _with_structs(p: Program) -> Program:
+    """Return the program whose functions are passed each struct of which they read several members."""
+    calls = [n for n in p.nodes if n.op == "call"]
+    made: dict[str, Routine] = {}
+    for routine in {call.routine.name: call.routine for call in p.calls.values()}.values():
+        used = [n.args[: len(routine.arguments)] for n in calls if p.calls[n.name].routine is routine]
+        by_struct: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {}
+        for argument, column in zip(routine.arguments, zip(*used, strict=True), strict=True):
+            structs, types, members, held = zip(*(_member(p, k) for k in column), strict=True)
+            if all(structs) and len({*types}) == len({*members}) == 1 and {*held} == {argument.kind}:
+                by_struct.setdefault(structs, {})[argument.name] = (types[0], members[0])
+        names = Names({*RESERVED, *routine.parameters, *(a.name for a in routine.arguments)})
+        passed: dict[str, str] = {}
+        paths: dict[str, tuple[str, str]] = {}
+        for structs, read in by_struct.items():
+            if len(read) >= MEMBERS:
+                kind = next(iter(read.values()))[0]
+                name = names.free(structs[0] if len({*structs}) == 1 else kind)
+                passed[name] = kind
+                paths |= {argument: (name, member) for argument, (_, member) in read.items()}
+        made[routine.name] = replace(routine, program=replace(routine.program, members=paths), structs=passed)
+    return replace(p, calls={key: replace(call, routine=made[call.routine.name]) for key, call in p.calls.items()})
+
+
+def _member(p: Program, k: int) -> tuple[str, str, str, str]:
+    """Return the struct that holds a node, its type, the member and its kind; empty texts where none does."""
+    node = p.nodes[k]
+    if node.op == "guard":
+        return ACCEPTED, "input", p.nodes[node.args[0]].name, "real"
+    key, _, member = node.name.partition(".")
+    results = p.calls[key].routine.results if node.op == "result" else ()
+    kind = next((r.kind for r in results if r.name == member), "") if len(results) > 1 else ""
+    return (key, p.calls[key].routine.name, member, kind) if kind else ("", "", "", "")
 
 
 def _calls(p: Program, group: Group, taken: Names, constants: Mapping[str, float]) -> dict[str, Call]:

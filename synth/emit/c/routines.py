@@ -115,18 +115,18 @@ def _parameters(
     return [*rows, ""]
 
 
-def parameters(block: Block, p: Program, layout: Layout) -> dict[str, str]:
-    """Return by name the declarations of the numbers that the calls pass in a struct."""
+def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
+    """Return the declarations of the numbers that the calls pass in a struct, before an empty line."""
     constants = {c.name: c for c in block.constants}
-    declared = {}
+    rows = []
     for call in (c for c in p.calls.values() if c.routine.parameters and not c.routine.by_value):
         values = [
             f".{name} = {_value(node, constants, layout.scalar)}"
             for name, node in zip(call.routine.parameters, call.numbers, strict=True)
         ]
         kind = f"{block.name}_{call.routine.name}_parameters_t"
-        declared[call.parameters] = f"static const {kind} {call.parameters} = {{{', '.join(values)}}};"
-    return declared
+        rows.append(f"static const {kind} {call.parameters} = {{{', '.join(values)}}};")
+    return [*rows, ""] if rows else []
 
 
 def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floating]) -> str:
@@ -142,10 +142,18 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
     parameters = f"const {block.name}_{routine.name}_parameters_t *parameters" if routine.parameters else ""
     if routine.by_value:
         parameters = ", ".join(f"{layout.ctype} {name}" for name in routine.parameters)
-    passed = [f"{_ctype(a.kind, layout)} {a.name}" for a in routine.arguments]
+    members = routine.program.members
+    passed = [
+        f"const {block.name}_{routine.structs[members[a.name][0]]}_t *{members[a.name][0]}"
+        if a.name in members
+        else f"{_ctype(a.kind, layout)} {a.name}"
+        for a in routine.arguments
+    ]
     kinds = [r.kind for r in routine.results]
     returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
-    arguments = ", ".join(filter(None, [state, parameters, *passed, diagnostics.parameter(block, routine.program)]))
+    arguments = ", ".join(
+        filter(None, [state, parameters, *dict.fromkeys(passed), diagnostics.parameter(block, routine.program)])
+    )
     head = f"{large(block) if routine.is_large else inline(block)} {returned} {block.name}_{routine.name}({arguments})"
     return [head]
 
@@ -156,10 +164,14 @@ def _common_constants(routine: Routine, constants: Mapping[str, Constant], layou
 
 
 def number(name: str, constant: Constant, layout: Layout, indent: str = "    ") -> list[str]:
-    """Return the declaration of a constant, with its unit and source beside it, or above it where they are long."""
+    """Return the declaration of a constant, with its unit and source beside it, or above it where they are long.
+
+    A source that is the name in words is left out.
+    """
     value = Text(f"{int(constant.value)}u") if constant.of else literal(constant.value, layout.scalar)
     text = f"{indent}static const {'uint32_t' if constant.of else layout.ctype} {name} = {value.c};"
-    about = f"{constant.unit}; {prose(constant.source)}"
+    in_words = constant.source.rpartition(": ")[2].replace(" ", "_")
+    about = constant.unit if in_words == name else f"{constant.unit}; {prose(constant.source)}"
     rows = [f"{text.ljust(63)} /* {about} */", f"{text} /* {about} */"]
     fitting = [row for row in rows if len(row) <= WIDTH + 4]
     return fitting[:1] or [*comment(about, indent), text]

@@ -51,6 +51,11 @@ class Struct:
     size: int
     fields: tuple[Member, ...]
 
+    @property
+    def tag(self) -> str:
+        """The name of the struct that the type stands for."""
+        return self.type.removesuffix("_t")
+
 
 @dataclass(frozen=True)
 class Layout:

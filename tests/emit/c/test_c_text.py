@@ -30,6 +30,7 @@ from synth.signals import Signal
 from synth.timing import Discrete
 from tests import tolerances, tools
 from tests.emit import dyadic, one_step
+from tests.emit.c.test_header import NAMES, committed
 from tests.emit.dyadic import TIME, Value, choose, combine, signal
 
 pytestmark = pytest.mark.slow
@@ -393,3 +394,20 @@ def test_the_end_of_a_comment_stands_beside_its_last_word() -> None:
     for n in range(90, 130):
         rows = routines.comment("a " * (n // 2) + "b")
         assert rows[-1].strip() != "* */" and all(len(row) <= 120 for row in rows)
+
+
+# Functions of one Block that is long: its law is one decision, or one iteration.
+LONG_BLOCKS = {"estimator", "redundancy_output_2", "sensing_output_2"}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_step_and_the_law_are_short_functions(name: str) -> None:
+    """The step has at most 120 lines and reads like the block diagram, the law and each Block at most 150."""
+    lines = committed(name)[f"{name}.c"].splitlines()
+    sizes: dict[str, int] = {}
+    for begin in (k for k, line in enumerate(lines) if line == "{"):
+        head = next(k for k in range(begin - 1, -1, -1) if not lines[k].startswith(" "))
+        called = re.search(rf"{name}_(\w+)\(", "".join(lines[head:begin]))
+        sizes[called[1] if called else lines[head]] = lines.index("}", begin) - head + 1
+    assert sizes.get("body", sizes["step"]) <= 120
+    assert {function for function, size in sizes.items() if size > 150} <= LONG_BLOCKS

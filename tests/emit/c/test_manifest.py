@@ -77,7 +77,7 @@ def test_every_entry_stands_as_declared() -> None:
         "safe_output_effect": NO_SAFE_OUTPUT,
     }
     assert manifest["sha256"] == {
-        name: hashlib.sha256(made.files[name].encode()).hexdigest() for name in ("stage.c", "stage.h")
+        name: hashlib.sha256(made.files[name].encode()).hexdigest() for name in ("stage.c", "stage.h", "stage.md")
     }
 
 
@@ -204,7 +204,7 @@ SCHEMA: dict[str, Any] = {
     "surrogates": [SURROGATE],
     "diagnostics": dict,
     "trace": dict,
-    "sha256": {"stage.c": str, "stage.h": str},
+    "sha256": {"stage.c": str, "stage.h": str, "stage.md": str},
 }
 
 

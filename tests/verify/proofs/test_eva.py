@@ -200,7 +200,7 @@ def test_a_rate_limit_between_values_in_range_is_proved(rate_limited: tuple[dict
 
 
 @needs_frama_c
-@pytest.mark.parametrize(("end", "claim"), [("low", "\u2264 state.follow_last"), ("high", "state.follow_last \u2264")])
+@pytest.mark.parametrize(("end", "claim"), [("low", "\u2264 state.follow.last"), ("high", "state.follow.last \u2264")])
 def test_a_wrong_claim_on_a_state_is_not_proved(
     rate_limited: tuple[dict[str, str], dict[str, Any]], end: str, claim: str
 ) -> None:
@@ -230,4 +230,4 @@ def test_a_defect_of_the_rate_limit_is_not_proved(
     files, manifest = rate_limited
     assert files["follower.c"].count(old) == 1
     proof = eva.prove(files | {"follower.c": files["follower.c"].replace(old, new)}, manifest)
-    assert any("state.follow_last" in text for text in proof.unproved)
+    assert any("state.follow.last" in text for text in proof.unproved)
