@@ -139,7 +139,7 @@ LEVITATOR_2DOF_INLINE levitator_2dof_servo_z_output_t
 }
 
 typedef struct {
-    float a;
+    float drift;
     float i1_demand;
 } levitator_2dof_inverse_z_t;
 
@@ -147,12 +147,12 @@ typedef struct {
 LEVITATOR_2DOF_INLINE levitator_2dof_inverse_z_t levitator_2dof_inverse_z(float w_z_command, float exp_polynomial,
     levitator_2dof_diagnostics_t *diagnostics)
 {
-    const float a = (9.333333f * exp_polynomial) - 9.81f;
-    const float i1_demand = 0.075f * (w_z_command - a) / exp_polynomial;
+    const float drift = (9.333333f * exp_polynomial) - 9.81f;
+    const float i1_demand = 0.075f * (w_z_command - drift) / exp_polynomial;
     if (diagnostics != NULL) {
         diagnostics->i1_demand = i1_demand;
     }
-    return (levitator_2dof_inverse_z_t){.a = a, .i1_demand = i1_demand};
+    return (levitator_2dof_inverse_z_t){.drift = drift, .i1_demand = i1_demand};
 }
 
 typedef struct {
@@ -318,7 +318,7 @@ LEVITATOR_2DOF_INLINE void levitator_2dof_law(levitator_2dof_state_t *state, con
         diagnostics);
 
     /* achieved_z: feedback linearisation of z */
-    const float w_z_limited = inverse_z.a + (13.333333f * (exp_2 * limits.i1_computed));
+    const float w_z_limited = inverse_z.drift + (13.333333f * (exp_2 * limits.i1_computed));
     state->safe_output_last_i1 = limits.i1_computed;
     out->i1 = limits.i1_computed;
     state->servo_z.w_z_late1_predicted = w_z_limited;

@@ -220,7 +220,7 @@ typedef struct {
     float held;
     uint32_t unchanged;
     uint32_t suspect;
-    uint32_t value;
+    uint32_t out_of_use;
     bool above_gate;
     bool same;
     bool jumping;
@@ -281,7 +281,7 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_output_t maglev_5dof_monitor_output(const 
     uint32_t suspect = 1u;
     bool trusted = false;
     float held = expected;
-    uint32_t value = 0u;
+    uint32_t out_of_use = 0u;
     if (!jumping) {
         const uint32_t excluded = state->excluded;
         const bool usable = good && (excluded == 0u);
@@ -289,25 +289,25 @@ MAGLEV_5DOF_LARGE maglev_5dof_monitor_output_t maglev_5dof_monitor_output(const 
         if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
                 fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
             suspect = stopped;
-            value = stopped;
+            out_of_use = stopped;
         } else {
             usual = sound;
             if (sound) {
                 suspect = 0u;
-                value = 0u;
+                out_of_use = 0u;
                 trusted = true;
                 held = accepted;
             } else {
                 suspect = excluded;
-                value = excluded;
+                out_of_use = excluded;
                 trusted = usable;
                 held = (usable) ? accepted : expected;
             }
         }
     }
     return (maglev_5dof_monitor_output_t){.before_next = before_next, .held = held, .unchanged = unchanged,
-        .suspect = suspect, .value = value, .above_gate = above_gate, .same = same, .jumping = jumping, .usual = usual,
-        .trusted = trusted, .far = far, .believed = believed};
+        .suspect = suspect, .out_of_use = out_of_use, .above_gate = above_gate, .same = same, .jumping = jumping,
+        .usual = usual, .trusted = trusted, .far = far, .believed = believed};
 }
 
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation */
@@ -319,7 +319,7 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state
 
     state->code = accepted;
     state->still = monitor_output->unchanged;
-    uint32_t frozen = monitor_output->value;
+    uint32_t frozen = monitor_output->out_of_use;
     if (monitor_output->jumping) {
         frozen = state->excluded;
         const uint32_t jumps = state->jumps;
@@ -330,7 +330,7 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_monitor_update(maglev_5dof_monitor_state
             state->jumps = jumps + 1u;
         }
     } else {
-        state->excluded = monitor_output->value;
+        state->excluded = monitor_output->out_of_use;
         state->jumps = 0u;
     }
     const uint32_t doubts = state->doubts;

@@ -226,7 +226,7 @@ typedef struct {
     float held;
     uint32_t unchanged;
     uint32_t suspect;
-    uint32_t value;
+    uint32_t out_of_use;
     bool above_gate;
     bool same;
     bool jumping;
@@ -288,7 +288,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_output_t
     uint32_t suspect = 1u;
     bool trusted = false;
     float held = expected;
-    uint32_t value = 0u;
+    uint32_t out_of_use = 0u;
     if (!jumping) {
         const uint32_t excluded = state->excluded;
         const bool usable = good && (excluded == 0u);
@@ -296,25 +296,25 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_output_t
         if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
                 fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
             suspect = stopped;
-            value = stopped;
+            out_of_use = stopped;
         } else {
             usual = sound;
             if (sound) {
                 suspect = 0u;
-                value = 0u;
+                out_of_use = 0u;
                 trusted = true;
                 held = accepted;
             } else {
                 suspect = excluded;
-                value = excluded;
+                out_of_use = excluded;
                 trusted = usable;
                 held = (usable) ? accepted : expected;
             }
         }
     }
     return (maglev_5dof_precise_monitor_output_t){.before_next = before_next, .held = held, .unchanged = unchanged,
-        .suspect = suspect, .value = value, .above_gate = above_gate, .same = same, .jumping = jumping, .usual = usual,
-        .trusted = trusted, .far = far, .believed = believed};
+        .suspect = suspect, .out_of_use = out_of_use, .above_gate = above_gate, .same = same, .jumping = jumping,
+        .usual = usual, .trusted = trusted, .far = far, .believed = believed};
 }
 
 /* x_monitor, z_monitor: frozen codes, jumps of the innovation */
@@ -326,7 +326,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_monitor_update(maglev_5d
 
     state->code = accepted;
     state->still = monitor_output->unchanged;
-    uint32_t frozen = monitor_output->value;
+    uint32_t frozen = monitor_output->out_of_use;
     if (monitor_output->jumping) {
         frozen = state->excluded;
         const uint32_t jumps = state->jumps;
@@ -337,7 +337,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_monitor_update(maglev_5d
             state->jumps = jumps + 1u;
         }
     } else {
-        state->excluded = monitor_output->value;
+        state->excluded = monitor_output->out_of_use;
         state->jumps = 0u;
     }
     const uint32_t doubts = state->doubts;
@@ -1117,18 +1117,18 @@ MAGLEV_5DOF_PRECISE_LARGE float maglev_5dof_precise_servo_fast(maglev_5dof_preci
     const float r_2 = state->r;
     state->r = ref_held;
     const float moved = ref_held - r_2;
-    float w_tracking_choice = 0.0f;
+    float step_feedforward = 0.0f;
     if (fabsf(moved) <= parameters->largest_step) {
-        w_tracking_choice = parameters->k_step * moved;
+        step_feedforward = parameters->k_step * moved;
     }
-    const float w_tracking_sum = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
-        w_tracking_choice + (parameters->k_sum * sum) + (parameters->k_p1 * p1) + (parameters->k_q1 * q1) +
+    const float feedback = (parameters->k_e * (fast_ahead - ref_held)) + (parameters->k_de * fast_rate_ahead) -
+        step_feedforward + (parameters->k_sum * sum) + (parameters->k_p1 * p1) + (parameters->k_q1 * q1) +
         (parameters->k_p2 * p2) + (parameters->k_q2 * q2) + (parameters->k_p3 * p3) + (parameters->k_q3 * q3);
-    float w_tracking_choice_2 = 0.0f;
+    float cancellation = 0.0f;
     if (ready != 0u) {
-        w_tracking_choice_2 = cancelled * w_y_tracking_choice;
+        cancellation = cancelled * w_y_tracking_choice;
     }
-    return w_tracking_sum - w_tracking_choice_2;
+    return feedback - cancellation;
 }
 
 typedef struct {
@@ -1215,21 +1215,20 @@ MAGLEV_5DOF_PRECISE_INLINE float maglev_5dof_precise_servo_phi_fast(maglev_5dof_
     const float r_2 = state->r;
     state->r = phi_ref_held;
     const float moved = phi_ref_held - r_2;
-    float w_phi_tracking_choice_2 = 0.0f;
+    float step_feedforward = 0.0f;
     if (fabsf(moved) <= largest) {
-        w_phi_tracking_choice_2 = k_step * moved;
+        step_feedforward = k_step * moved;
     }
-    const float w_phi_tracking_sum = (k_e * (observer_phi_fast->fast_ahead - phi_ref_held)) + (k_de *
-        observer_phi_fast->fast_rate_ahead) - w_phi_tracking_choice_2 + (k_sum * sum) + (k_p1 * p1) + (k_q1 * q1);
-    float w_phi_tracking_choice_3 = 0.0f;
+    const float feedback = (k_e * (observer_phi_fast->fast_ahead - phi_ref_held)) +
+        (k_de * observer_phi_fast->fast_rate_ahead) - step_feedforward + (k_sum * sum) + (k_p1 * p1) + (k_q1 * q1);
+    float cancellation = 0.0f;
     if (ready != 0u) {
-        w_phi_tracking_choice_3 = cancelled * observer_phi_fast->value;
+        cancellation = cancelled * observer_phi_fast->value;
     }
-    const float w_phi_tracking = w_phi_tracking_sum - w_phi_tracking_choice_3;
     if (diagnostics != NULL) {
-        diagnostics->w_phi_tracking = w_phi_tracking;
+        diagnostics->w_phi_tracking = feedback - cancellation;
     }
-    return w_phi_tracking;
+    return feedback - cancellation;
 }
 
 typedef struct {
