@@ -16,6 +16,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
@@ -67,6 +68,7 @@ def block(
         beyond = ca.if_else(up, x["count"] >= high - low, ca.if_else(down, x["count"] <= 0, 0))
         too_fast = ca.fabs(change) > k["largest_change"]
         turn = count - k["turns_below"]
+        label(d=d, up=up, down=down, count=count, change=change, beyond=beyond, too_fast=too_fast, turn=turn)
         return Step(
             {position.name: clip(u[reading.name] + k["span"] * turn, position), turns: turn, lost: x["lost"]},
             {

@@ -25,6 +25,7 @@ from synth.analyse.loops import peak_bounds
 from synth.analyse.numerics import precise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -70,6 +71,7 @@ def block(
         else:
             quadrature = b * x["in_phase"] + k["a_v"] * x["quadrature"]
         total = k.get("gain", 1) * q + k["c_x"] * in_phase + k["c_v"] * quadrature
+        label(filtered=total)
         return Step({filtered: total}, {"previous": q, "in_phase": in_phase, "quadrature": quadrature})
 
     # Constant inputs leave no state, so the middle of the range is as good an origin as any.

@@ -31,6 +31,7 @@ import numpy as np
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
+from synth.law import label
 from synth.signals import Signal, dimension, per_second
 from synth.timing import Discrete
 
@@ -155,6 +156,8 @@ def block(
         fastest = ca.fmax(ca.fmin(ca.fmin(alpha + 1, k["samples"]), most(k["V"] / k["JTT"] - y)), alpha - 1)
         fastest = ca.fmax(fastest, -k["samples"])
         lacking = ca.fmax(-slack(fastest), 0)
+        label(goal=goal, start=start, left=left, beyond=beyond, sign=sign, y=y, alpha=alpha, moved=moved)
+        label(to_go=distance, braking=braking, fastest=fastest, lacking=lacking)
         chord = braking + (fastest - braking) * ca.fabs(beyond) / (ca.fabs(beyond) + lacking + LEAST * k["JTTT"])
         chord = ca.fmax(ca.fmin(chord, k["samples"]), -k["samples"])
         new = ca.if_else(lacking <= 0, fastest, ca.if_else(slack(chord) >= 0, chord, braking))
@@ -163,6 +166,7 @@ def block(
         arrived = ca.fabs(distance) <= k["JTTT"]
         arrived = ca.logic_and(arrived, ca.logic_and(ca.fabs(rate) <= k["JTT"], ca.fabs(a) <= JT))
         rests = ca.logic_or(arrived, ca.logic_not(u["ready"]))
+        label(chord=chord, new=new, distance=distance, rate=rate, arrived=arrived, rests=rests)
         return Step(
             {
                 f"{name}_position": clip(start, outputs[0]),

@@ -28,6 +28,7 @@ from scipy.sparse import linalg
 from synth import arguments, numeric
 from synth.block import clip
 from synth.errors import ModelError
+from synth.law import label
 from synth.signals import Signal
 from synth.statespace import Array, readonly
 
@@ -108,10 +109,12 @@ def bilinear(tables: Mapping[str, ca.Function], grid: Grid, x: ca.SX, y: ca.SX) 
     """Return the interpolated values of `block.table`s (n_x n_y values, y changing fastest) at a position, by name."""
     (i, f), (j, g) = (_cell(place, grid, side) for side, place in enumerate((x, y)))
     columns, looked_up = grid.size[1], {}
+    label(i=i, f=f, j=j, g=g)
     corners = [i * columns + j + step for step in (0, 1, columns, columns + 1)]
     for name, table in tables.items():
         v_00, v_01, v_10, v_11 = (table(corner) for corner in corners)
         dy, dxdy = v_01 - v_00, (v_11 - v_10) - (v_01 - v_00)
+        label(name, v_00=v_00, v_01=v_01, v_10=v_10, v_11=v_11, dy=dy, dxdy=dxdy)
         looked_up[name] = v_00 + f * (v_10 - v_00) + g * (dy + f * dxdy)
     return looked_up
 

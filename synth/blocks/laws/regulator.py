@@ -66,7 +66,7 @@ def block(
             next[q] = x[q] - next[p] + u[error.name] + added[q]
         next = {s: ca.if_else(ca.fabs(v) <= b, v, x[s]) for (s, v), b in zip(next.items(), bounds, strict=True)}
         w = k["k_e"] * u[error.name] + k["k_de"] * u[rate.name]
-        label(w=w)
+        label(anti_windup=added, w=w)
         return Step({demand.name: sum((k[f"k_{s}"] * x[s] for s in eta), start=w)}, next, numbers=numbers)
 
     why = "of the internal model: a larger next value is not taken"
