@@ -166,7 +166,12 @@ class StateSpace:
                 raise SignalError(f"{letter} has shape {value.shape} but the signal names require {shape}")
             if not np.isfinite(value).all():
                 row, column = np.argwhere(~np.isfinite(value))[0]
-                raise SignalError(f"{letter}[{row}, {column}] is {value[row, column]}: all entries must be finite")
+                of = (self.states if letter in "AB" else self.outputs)[row]
+                by = (self.states if letter in "AC" else self.inputs)[column]
+                raise SignalError(
+                    f"{letter}[{row}, {column}] is {value[row, column]}, that of '{of}' by '{by}': all entries must be "
+                    "finite; linearise where the model has finite slopes"
+                )
             object.__setattr__(self, letter, value)
         for kind, labels in {"state": self.states, "input": self.inputs, "output": self.outputs}.items():
             if len(set(labels)) < len(labels):

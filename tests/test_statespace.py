@@ -65,7 +65,7 @@ def test_a_system_without_a_time_base_is_refused(dt: object) -> None:
     [
         ({"A": np.zeros((4, 3))}, r"A has shape \(4, 3\) but the signal names require \(4, 4\)"),
         ({"D": np.zeros(2)}, r"D has shape \(2,\)"),
-        ({"B": np.full((4, 2), np.nan)}, r"B\[0, 0\] is nan"),
+        ({"B": np.full((4, 2), np.nan)}, r"B\[0, 0\] is nan, that of '.*' by '.*': all entries must be finite"),
         ({"C": np.diag([1, 1, np.inf, 1])[:3]}, r"C\[2, 2\] is inf"),
         ({"A": 1j * np.eye(4)}, "entries of A are no real numbers .they are complex"),
         ({"A": "text"}, "`A` of `StateSpace` is 'text': give an array of numbers"),

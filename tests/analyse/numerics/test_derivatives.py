@@ -13,7 +13,7 @@ from synth.analyse.loops import loop
 from synth.analyse.numerics import derivatives
 from synth.analyse.operating_points import OperatingPoint, linearise
 from synth.block import Block, State, Step
-from synth.errors import ModelError
+from synth.errors import ModelError, SignalError
 from synth.plant import Plant, build
 from synth.signals import Signal
 from synth.statespace import StateSpace
@@ -97,6 +97,14 @@ def test_a_kink_is_refused_with_both_slopes(which: str, force: Force, place: dic
 def test_a_jump_is_refused_with_both_values(force: Force, place: dict[str, float], limits: str) -> None:
     with pytest.raises(ModelError, match=r"d\(v\)/dt jumps " + limits):
         at(mass(force), force, **place)
+
+
+@pytest.mark.parametrize(
+    "force", [lambda z, v, u: ca.sqrt(ca.fabs(z)), lambda z, v, u: ca.hypot(z, v), lambda z, v, u: ca.fabs(z) ** 0.3]
+)
+def test_a_slope_that_is_not_finite_is_refused_by_name(force: Force) -> None:
+    with pytest.raises(SignalError, match=r"A\[1, 0\] is (nan|inf), that of 'v' by 'z': all entries must be finite"):
+        at(mass(force), force)
 
 
 def test_a_kink_of_several_signals_is_refused() -> None:
