@@ -45,9 +45,11 @@ def _require_callable_reference(stage: Stage) -> None:
 
 
 def _require_known_margins(stage: Stage) -> None:
-    """Raise SignalError for a margin or a parameter of a tolerance that is not known."""
+    """Raise SignalError for a margin or a parameter of a tolerance that is not known, or a limit that is NaN."""
     if unknown := [name for name in stage.require if name not in MARGINS]:
         raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(MARGINS)}")
+    if missing := [name for name, least in stage.require.items() if np.isnan(least)]:
+        raise SignalError(f"require: the least {missing[0]} is NaN, which no loop reaches: give a number")
     for name in stage.tolerances:
         stage.plant.parameter(name)
 
@@ -66,6 +68,8 @@ def _require_known_cases(stage: Stage) -> None:
         )
     ranges |= {a.name: (a.low, a.high) for a in stage.interface.auxiliaries}
     for case, values in stage.cases.items():
+        if not case:
+            raise SignalError("a case has no name, by which conditions would choose it: give it one")
         for name, value in values.items():
             if name not in ranges:
                 raise SignalError(

@@ -472,6 +472,7 @@ def test_a_tolerance_that_cannot_be_meant_is_refused(tolerance: Any) -> None:
             "case 'full' has payload = 2, beyond its range of 0 .. 1: choose one inside",
         ),
         ({"cases": {"full": {"load": 2.0}}}, "case 'full' has load = 2, beyond its range of 0 .. 1: choose one inside"),
+        ({"cases": {"": {"payload": 0.5}}}, "a case has no name, by which conditions would choose it"),
         ({"cases": {"full": {"m": np.nan}}}, "case 'full' has m = nan, beyond its range"),
         (
             {"cases": {"full": {"payload": 1.2}}},

@@ -123,6 +123,7 @@ def test_a_delay_counts_whole_samples(delay: Any) -> None:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
+        ({"require": {"disk_margin": float("nan")}}, "the least disk_margin is NaN, which no loop reaches"),
         ({"require": {"gain": 2.5}}, "'gain' is not a margin: name one of phase_margin, gain_margin"),
         ({"tolerances": ["mass"]}, "no parameter 'mass': it has"),
     ],

@@ -108,11 +108,11 @@ def largest(models: Sequence[StateSpace], level: float) -> tuple[int, Peak] | No
     The peaks of the other models are proved to be no larger, but not computed.
     """
     best: tuple[int, Peak] | None = None
-    scalings: list[Array] = []
+    scalings: dict[int, list[Array]] = {len(model.inputs): [] for model in models}
     responses = [transfer.schur_response(model) for model in models]
     points = [_balanced(M) for M in responses]
     for k in sorted(range(len(models)), key=lambda k: -float(points[k].bound.max())):
-        if not (level and _is_below(responses[k], points[k], level, scalings)):
+        if not (level and _is_below(responses[k], points[k], level, scalings[len(models[k].inputs)])):
             peak = _peak(responses[k], certify=True)
             if peak.level > level:
                 best, level = (k, peak), peak.level

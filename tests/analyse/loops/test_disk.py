@@ -129,6 +129,7 @@ def test_the_least_of_several_loops_is_that_of_each_alone(sampled: bool) -> None
     least = disk.least(loops, np.inf)
     assert least is not None and least[0] == worst and least[1].lower == pytest.approx(margins[worst], rel=LEVEL)
     others = [each for k, each in enumerate(loops) if k != worst]
+    others.append(of((np.array([[-0.5]]), np.ones((1, 1)), np.full((1, 1), 0.01), np.zeros((1, 1)), loop.time)))
     assert disk.least(others, margins[worst]) is None and disk.least([], np.inf) is None
 
 
