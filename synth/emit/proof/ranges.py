@@ -185,7 +185,7 @@ def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, 
     if node.op in ("add", "sub") and arithmetic.contracted:
         nodes = s.program.nodes
         args = [
-            unrounded(a, _is_positive(nodes[k], R)) if k in s.products else a
+            _below_square(unrounded(a, _is_positive(nodes[k], R)), nodes[k], R) if k in s.products else a
             for k, a in zip(node.args, args, strict=True)
         ]
     if node.op == "product":  # what it multiplies; each row has its own range
@@ -201,6 +201,17 @@ def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, 
     if node.op not in libm.FUNCTIONS and node.op not in libm.EXACT:
         raise EmitError(f"operation '{node.op}' has no enclosure: give it one in the table of its kind")
     return libm.transfer(node.op, args, arithmetic.ulps)
+
+
+def _below_square(a: Interval, node: Node, R: Mapping[int, Interval]) -> Interval:
+    """Return the interval of an exact product, of a square not beyond that of the largest |x|, where this is exact."""
+    if not (node.op == "sq" or (node.op == "mul" and node.args[0] == node.args[1])):
+        return a
+    x = R[node.args[0]]
+    largest = np.maximum(np.abs(x.low), np.abs(x.high))
+    square, wide = largest * largest, largest.astype(np.float64)
+    is_exact = (wide * wide == square) & (wide == wide.astype(np.float32))
+    return Interval(a.low, np.where(is_exact, np.minimum(a.high, square), a.high), a.nan)
 
 
 def _is_positive(node: Node, R: Mapping[int, Interval]) -> Mask | bool:

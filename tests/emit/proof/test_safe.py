@@ -224,6 +224,7 @@ UNGUARDED: list[Law] = [
     lambda u: ca.if_else(ca.fabs(u["z"] - 0.5) > 0.1, 1 / u["z"], 0),
 ]
 ROOTS: list[Law] = [
+    lambda u: ca.sqrt(1 - u["z"] ** 2),
     lambda u: ca.sqrt(u["z"] ** 2 + u["w"] ** 2),
     lambda u: ca.sqrt(u["z"] ** 2 + 2 * u["w"] ** 2),
     lambda u: ca.sqrt(0.5 * (u["z"] * u["z"] + u["w"] * u["w"])),
