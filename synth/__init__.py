@@ -12,6 +12,7 @@ Controllers for the C
     Block, State, Constant     a step function of a sampled system with bounded states
     build_block, Step          build one from a function
     label                      name expressions in that function for the C
+    call                       call a function in that function, for which the C has one
     compose                    wire Blocks by the names of their signals
 
 Packages

@@ -7,6 +7,7 @@ from synth.block import Step as Step
 from synth.block import build as build_block
 from synth.composition import compose as compose
 from synth.errors import SynthError as SynthError
+from synth.law import call as call
 from synth.law import label as label
 from synth.plant import Plant as Plant
 from synth.plant import build as build_plant
@@ -33,6 +34,7 @@ __all__ = [
     "analyse",
     "build_block",
     "build_plant",
+    "call",
     "compose",
     "label",
     "synthesise",

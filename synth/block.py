@@ -103,7 +103,8 @@ class Block:
 
     `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
     a latch. `numbers` are those in the expressions that C names and `notes` sentences that it has, by the name of their
-    Block, and `labels` the names of expressions. `failures` are rows of the header's table.
+    Block, `labels` the names of expressions, and `functions` those for which the C has one, after the name of their
+    Block. `failures` are rows of the header's table.
     """
 
     name: str
@@ -123,6 +124,7 @@ class Block:
     labels: tuple[tuple[str, ca.SX], ...] = ()
     failures: tuple[Failure, ...] = ()
     notes: tuple[tuple[str, str], ...] = ()
+    functions: tuple[laws.Function, ...] = ()
 
     def __post_init__(self) -> None:
         identifier("block", self.name)
@@ -248,7 +250,8 @@ def build(
         _pick(name, "states", symbol, states),
         _pick(name, "constants", symbol, constants),
     )
-    step, labels = laws.collect_labels(laws.evaluate, f"the law of block '{name}'", law, u, x, k)
+    step, labels, functions = laws.record(laws.evaluate, f"the law of block '{name}'", law, u, x, k)
+    functions = tuple(replace(f, path=f"{name}.{f.path}") for f in functions)
     if not isinstance(step, Step):
         raise SignalError(f"the law of block '{name}' returns {arguments.describe(step)}: return a Step")
     laws.require_names(f"block '{name}': outputs", [s.name for s in outputs], step.output)
@@ -263,10 +266,11 @@ def build(
     laws.check_symbols(f"block '{name}'", [*next.values(), *(e for _, e in computed)], symbol.values())
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
     numbers, notes = tuple((name, n) for n in step.numbers), tuple((name, n) for n in step.notes)
-    laws.check_symbols(f"block '{name}'", [e for _, e in labels], symbol.values())
+    of_functions = [e for f in functions for e in (*f.arguments, *f.results)]
+    laws.check_symbols(f"block '{name}'", [*(e for _, e in labels), *of_functions], symbol.values())
     return Block(
         name, tag, time, *declared, symbol, output, next, tuple(computed),
-        numbers=numbers, labels=labels, notes=notes,
+        numbers=numbers, labels=labels, notes=notes, functions=functions,
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, ComputedSignal, Exprs, Safety
 from synth.errors import WiringError
+from synth.law import Function
 from synth.signals import Signal, dimension, signal_names
 from synth.timing import Discrete, common
 
@@ -60,6 +61,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         exprs = _substitute_inputs(b, symbol, [e for _, e in b.labels])
         exprs = ca.substitute(exprs, signal_symbols, exprs_of_signals) if exprs else []
         labels += zip((n for n, _ in b.labels), exprs, strict=True)
+    functions = [_compose_function(f, b, symbol, signal_symbols, exprs_of_signals) for b in blocks for f in b.functions]
     constants = tuple(c for b in blocks for c in b.constants)
     symbols = {s: symbol[s] for s in open_inputs} | {
         n: b.symbol[n] for b in blocks for n in _state_and_constant_names(b)
@@ -86,7 +88,17 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         tuple(labels),
         tuple(f for b in blocks for f in b.failures),
         tuple(pair for b in blocks for pair in b.notes),
+        tuple(functions),
     )
+
+
+def _compose_function(
+    of: Function, block: Block, symbol: Exprs, signal_symbols: Sequence[ca.SX], exprs_of_signals: Sequence[ca.SX]
+) -> Function:
+    """Return a function of a Block in states, constants and open inputs of the composition."""
+    exprs = _substitute_inputs(block, symbol, [*of.arguments, *of.results])
+    exprs = list(ca.substitute(exprs, signal_symbols, exprs_of_signals)) if exprs else []
+    return replace(of, arguments=tuple(exprs[: len(of.arguments)]), results=tuple(exprs[len(of.arguments) :]))
 
 
 def _origin(signal: str, definitions: Exprs, symbol: Exprs) -> str:

@@ -5,6 +5,7 @@ value of a symbol, which CasADi refuses; `math.sin(u)` needs a float and gets Na
 
     error = u["r"] - u["y"]
     label(error=error)          the C computes `error`, too
+    call("gap", gap, x, u)      gap(x, u): the C has a function `gap` for it, too
 """
 
 import dataclasses
@@ -31,7 +32,26 @@ DECISION = (
 INDEX = "look a number up with block.table, and repeat with a count that is a number"
 ONE_DIGIT = 9  # rows or columns of a matrix whose elements have both indices without an underscore between them
 
-_LABELS: ContextVar[dict[int, tuple[str, ca.SX]] | None] = ContextVar("labels", default=None)
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Function:
+    """A function of a law for which the C has one: `path` is its name after those of the functions that call it."""
+
+    path: str
+    arguments: tuple[ca.SX, ...]
+    results: tuple[ca.SX, ...]
+
+
+@dataclasses.dataclass(eq=False)
+class Record:
+    """What a law says about its C: the labels of its expressions by their hash, and its functions by their paths."""
+
+    labels: dict[int, tuple[str, ca.SX]] = dataclasses.field(default_factory=dict)
+    functions: dict[str, Function] = dataclasses.field(default_factory=dict)
+    path: str = ""
+
+
+_RECORD: ContextVar[Record | None] = ContextVar("record", default=None)
 
 
 class NamedSymbols(dict[str, ca.SX]):
@@ -84,14 +104,51 @@ def evaluate(what: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwa
         raise
 
 
-def collect_labels(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> tuple[R, Labels]:
-    """Return the result of a law, and the scalar expressions that it labels with their names, each once."""
-    labels: dict[int, tuple[str, ca.SX]] = {}
-    token = _LABELS.set(labels)
+def record(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> tuple[R, Labels, tuple[Function, ...]]:
+    """Return the result of a law, the scalar expressions that it labels with their names, and its functions."""
+    made = Record()
+    token = _RECORD.set(made)
     try:
-        return function(*args, **kwargs), tuple(labels.values())
+        return function(*args, **kwargs), tuple(made.labels.values()), tuple(made.functions.values())
     finally:
-        _LABELS.reset(token)
+        _RECORD.reset(token)
+
+
+def call(name: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
+    """Return function(*args, **kwargs), the expressions of a part of a law for which the C has a function `name`.
+
+    Expressions in the arguments become its arguments, and those in the result its results: SX, or mappings, sequences
+    and dataclasses of them. Calls whose names differ in a word, as ``sensor_a`` and ``sensor_b``, share one function in
+    the C where they compute the same of different arguments. A function may call others. Outside the law of a Block it
+    is a plain call. The values are the same as without it; MATLAB Coder: `coder.inline('never')`.
+
+    Raises SignalError for a name that is no identifier of C, and for a second call of this name in a law or a function.
+    """
+    identifier("function", name)
+    made = _RECORD.get()
+    if made is None:
+        return function(*args, **kwargs)
+    outer, path = made.path, f"{made.path}.{name}".removeprefix(".")
+    if path in made.functions:
+        raise SignalError(f"function '{name}' is called twice: give each call a name, as '{name}_a' and '{name}_b'")
+    made.functions[path] = Function(path, tuple(_expressions((args, kwargs))), ())
+    made.path = path
+    try:
+        result = function(*args, **kwargs)
+    finally:
+        made.path = outer
+    made.functions[path] = dataclasses.replace(made.functions[path], results=tuple(_expressions(result)))
+    return result
+
+
+def _expressions(value: Any) -> Iterator[ca.SX]:
+    """Yield the scalar expressions in a value that compute something."""
+    if isinstance(value, ca.SX):
+        elements = (value[i, j] for i in range(value.shape[0]) for j in range(value.shape[1]))
+        yield from (e for e in elements if not (e.is_constant() or e.is_symbolic()))
+    elif isinstance(value, Mapping | tuple | list) or (dataclasses.is_dataclass(value) and not isinstance(value, type)):
+        for item in _items(value).values():
+            yield from _expressions(item)
 
 
 @arguments.checked
@@ -108,12 +165,12 @@ def label(*of: str, **expressions: Any) -> None:
 
     Raises SignalError for a name that is no identifier of C, and for what is no expression of CasADi's SX.
     """
-    labels = _LABELS.get()
+    made = _RECORD.get()
     for name, value in expressions.items():
         for full_name, expr in _scalars("_".join((name, *of)), value):
             identifier("label", full_name)
-            if labels is not None and not (expr.is_constant() or expr.is_symbolic()):
-                labels[expr.element_hash()] = full_name, expr
+            if made is not None and not (expr.is_constant() or expr.is_symbolic()):
+                made.labels[expr.element_hash()] = full_name, expr
 
 
 def _scalars(name: str, value: Any) -> Iterator[tuple[str, ca.SX]]:

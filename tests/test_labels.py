@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import CodeType
 from typing import NamedTuple
@@ -19,7 +19,8 @@ from synth.block import Block, Exprs, Step, build
 from synth.composition import compose
 from synth.emit import pipeline, write
 from synth.errors import SignalError
-from synth.law import collect_labels, label
+from synth.execute import host
+from synth.law import call, label, record
 from synth.signals import Signal
 from synth.timing import Discrete
 from tests import renamed_locals
@@ -43,7 +44,7 @@ class Limits(NamedTuple):
 
 
 def labels_of(law: Callable[[], object]) -> dict[str, str]:
-    return {name: str(expr) for name, expr in collect_labels(law)[1]}
+    return {name: str(expr) for name, expr in record(law)[1]}
 
 
 def test_the_last_label_of_an_expression_counts() -> None:
@@ -147,6 +148,63 @@ def test_a_label_is_a_local_of_the_c_and_another_one_changes_nothing_else() -> N
 
     assert "const float energy = x * x;" in made("energy")
     assert re.sub(r"\benergy\b", "of_many_letters_indeed", made("energy")) == made("of_many_letters_indeed")
+
+
+def _polynomial(v: ca.SX, shared: ca.SX) -> dict[str, ca.SX]:
+    square = v**2
+    return {"value": square * (3 + square) + shared * v, "unused": square * 7}
+
+
+def _two_polynomials(named: bool) -> Callable[[Exprs, Exprs, Exprs], Step]:
+    def law(u: Exprs, state: Exprs, k: Exprs) -> Step:
+        shared = u["x"] * 3 + 1
+        a, b = u["x"] - 1, u["x"] + 1
+        if named:
+            of_a = call("polynomial_a", _polynomial, a, shared)
+            of_b = call("polynomial_b", _polynomial, b * of_a["value"], shared)
+        else:
+            of_a = _polynomial(a, shared)
+            of_b = _polynomial(b * of_a["value"], shared)
+        return Step({"y": of_a["value"] + of_b["value"]})
+
+    return law
+
+
+def _emitted(named: bool) -> write.EmittedCode:
+    w, wide = Signal("w", "m", -1.0, 1.0), Signal("y", "m", -1e7, 1e7)
+    first = build("gain", T, lambda u, x, k: Step({"x": u["w"] ** 3 + u["w"] / 4 - u["w"] ** 2 / 4}), inputs=[w],
+                  outputs=[replace(X, low=-2.0, high=2.0)])  # fmt: skip
+    block = build("sum", T, _two_polynomials(named), inputs=[replace(X, low=-2.0, high=2.0)], outputs=[wide])
+    loop = compose("loop", [first, block], inputs=["w"], outputs=["y"])
+    return write.emit(loop, np.float32)
+
+
+def test_calls_that_compute_the_same_of_other_arguments_share_a_function_of_the_c() -> None:
+    text, without = (_emitted(named).files["loop.c"] for named in (True, False))
+    assert len(re.findall(r"float loop_sum_polynomial\(", text)) == 1
+    assert len(re.findall(r"= loop_sum_polynomial\(", text)) == 2
+    assert "unused" not in text and "polynomial" not in without
+
+
+def test_a_function_of_the_c_changes_no_bit() -> None:
+    w = np.linspace(-1, 1, 1001)
+    with_calls, without = (_emitted(named) for named in (True, False))
+    y = [host.load(c.files, c.manifest).replay({"w": w}).outputs["y"] for c in (with_calls, without)]
+    np.testing.assert_array_equal(*y)
+
+
+def test_a_call_outside_a_law_is_a_plain_call_and_a_name_is_given_once() -> None:
+    assert call("anything", lambda a, b: a + b, 1, b=2) == 3
+
+    def law() -> None:
+        call("twice", lambda: 2 * x)
+        call("outer", lambda: call("twice", lambda: 3 * x))
+        call("twice", lambda: 4 * x)
+
+    with pytest.raises(SignalError, match="function .twice. is called twice: give each call a name"):
+        record(law)
+    with pytest.raises(SignalError, match="is no identifier of C"):
+        call("no good name", lambda: 1)
 
 
 def test_all_locals_of_a_function_get_other_names() -> None:

@@ -418,6 +418,175 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
 }
 
 typedef struct {
+    float value;
+    float value_2;
+    float value_3;
+    float value_4;
+    bool repeats_y1;
+    bool repeats_y2;
+    bool repeats_y3;
+    bool repeats_y4;
+    bool isolated_y1;
+    bool isolated_y2;
+    bool isolated_y3;
+    bool isolated_y4;
+} maglev_5dof_redundancy_output_2_isolation_0_t;
+
+/* isolation_0 */
+MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_isolation_0_t maglev_5dof_redundancy_output_2_isolation_0(float
+    residual_0, float y1_accepted, float y1_expected, float y2_accepted, float y2_expected, float y3_accepted,
+    float y3_expected, float y4_accepted, float y4_expected, uint32_t still_y1_next, float size, uint32_t still_y2_next,
+    uint32_t still_y3_next, uint32_t still_y4_next, bool decided)
+{
+    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
+    /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
+    static const float candidate_part = 0.4f;
+    static const uint32_t all_but_one_of_4 = 3u;                /* 1; sensors of a group but one */
+    static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
+    static const float lead_by_code = 0.05f; /* 1; of |r|: least lead over the next E by codes: more than noise of E */
+    /* 1; of |r|: least lead by innovations alone, which predictions that followed an error spoil */
+    static const float lead_by_innovation = 0.3f;
+    static const float preference = 10.0f; /* m; more than any E: codes decide before innovations */
+    static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
+    static const float highest_y1_y3 = 0.0322f;                 /* m; end of its range */
+    static const float lowest_y1_y3 = 0.0168f;                  /* m; end of its range */
+    static const float highest_y2_y4 = 0.0366f;                 /* m; end of its range */
+    static const float lowest_y2_y4 = 0.0124f;                  /* m; end of its range */
+
+    const bool residual_0_positive = 0.0f < residual_0;
+    const float direction_y1_y3 = (residual_0_positive) ? 1.0f : -1.0f;
+    const float E_y1 = direction_y1_y3 * (y1_accepted - y1_expected);
+    const float direction_y2_y4 = (residual_0_positive) ? -1.0f : 1.0f;
+    const float E_y2 = direction_y2_y4 * (y2_accepted - y2_expected);
+    const float E_y3 = direction_y1_y3 * (y3_accepted - y3_expected);
+    const float E_y4 = direction_y2_y4 * (y4_accepted - y4_expected);
+    const bool repeats_y1 = repeated_samples <= still_y1_next;
+    const float least_E = candidate_part * size;
+    const bool candidate_y1 = repeats_y1 && (least_E < E_y1);
+    const bool repeats_y2 = repeated_samples <= still_y2_next;
+    const bool candidate_y2 = repeats_y2 && (least_E < E_y2);
+    const bool repeats_y3 = repeated_samples <= still_y3_next;
+    const bool candidate_y3 = repeats_y3 && (least_E < E_y3);
+    const bool repeats_y4 = repeated_samples <= still_y4_next;
+    const bool candidate_y4 = repeats_y4 && (least_E < E_y4);
+    const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
+        maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
+    const bool by_first_rule = candidates != 0u;
+    const uint32_t moving = maglev_5dof_flag(still_y1_next < repeated_samples) +
+        maglev_5dof_flag(still_y2_next < repeated_samples) + maglev_5dof_flag(still_y3_next < repeated_samples) +
+        maglev_5dof_flag(still_y4_next < repeated_samples);
+    uint32_t standing = 0u;
+    float preferred_y1 = 0.0f;
+    float preferred_y2 = 0.0f;
+    float preferred_y3 = 0.0f;
+    float preferred_y4 = 0.0f;
+    if (moving == all_but_one_of_4) {
+        const bool stands_y1 = still_samples <= still_y1_next;
+        const bool stands_y2 = still_samples <= still_y2_next;
+        const bool stands_y3 = still_samples <= still_y3_next;
+        const bool stands_y4 = still_samples <= still_y4_next;
+        standing = maglev_5dof_flag(stands_y1) + maglev_5dof_flag(stands_y2) + maglev_5dof_flag(stands_y3) +
+            maglev_5dof_flag(stands_y4);
+        const float by_second_rule = 1.0f - (by_first_rule ? 1.0f : 0.0f);
+        preferred_y1 = (stands_y1) ? by_second_rule : 0.0f;
+        preferred_y2 = (stands_y2) ? by_second_rule : 0.0f;
+        preferred_y3 = (stands_y3) ? by_second_rule : 0.0f;
+        preferred_y4 = (stands_y4) ? by_second_rule : 0.0f;
+    }
+    const float score_y1 = E_y1 +
+        (preference * ((candidate_y1 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y1));
+    const float score_y2 = E_y2 +
+        (preference * ((candidate_y2 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y2));
+    const float score_y3 = E_y3 +
+        (preference * ((candidate_y3 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y3));
+    const float score_y4 = E_y4 +
+        (preference * ((candidate_y4 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y4));
+    const bool by_code = (candidates + standing) != 0u;
+    const float best_y1 = maglev_5dof_max(-preference, score_y1);
+    const float best_y2 = maglev_5dof_max(best_y1, score_y2);
+    const float best_y3 = maglev_5dof_max(best_y2, score_y3);
+    const float best = maglev_5dof_max(best_y3, score_y4);
+    const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-preference,
+        maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)), maglev_5dof_min(best_y3, score_y4));
+    const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) < (best - second)) &&
+        (by_code || decided)) ? best : twice_preference;
+    const bool isolated_y1 = least <= score_y1;
+    const bool isolated_y2 = least <= score_y2;
+    const bool isolated_y3 = least <= score_y3;
+    const bool isolated_y4 = least <= score_y4;
+    return (maglev_5dof_redundancy_output_2_isolation_0_t){.value = maglev_5dof_max(maglev_5dof_min(y1_accepted -
+        ((isolated_y1) ? residual_0 : 0.0f), highest_y1_y3), lowest_y1_y3),
+        .value_2 = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((isolated_y2) ? residual_0 : 0.0f), highest_y2_y4),
+        lowest_y2_y4), .value_3 = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((isolated_y3) ? residual_0 : 0.0f),
+        highest_y1_y3), lowest_y1_y3), .value_4 = maglev_5dof_max(maglev_5dof_min(y4_accepted +
+        ((isolated_y4) ? residual_0 : 0.0f), highest_y2_y4), lowest_y2_y4), .repeats_y1 = repeats_y1,
+        .repeats_y2 = repeats_y2, .repeats_y3 = repeats_y3, .repeats_y4 = repeats_y4, .isolated_y1 = isolated_y1,
+        .isolated_y2 = isolated_y2, .isolated_y3 = isolated_y3, .isolated_y4 = isolated_y4};
+}
+
+typedef struct {
+    uint32_t doubted;
+    bool readmitted_y1;
+    bool readmitted_y2;
+    bool readmitted_y3;
+    bool readmitted_y4;
+} maglev_5dof_redundancy_output_2_readmission_0_t;
+
+/* readmission_0 */
+MAGLEV_5DOF_INLINE maglev_5dof_redundancy_output_2_readmission_0_t
+    maglev_5dof_redundancy_output_2_readmission_0(uint32_t stuck_0, uint32_t excluded_y1, bool same_y1, bool good_y1,
+    uint32_t excluded_y2, bool same_y2, bool good_y2, uint32_t excluded_y3, bool same_y3, bool good_y3,
+    uint32_t excluded_y4, bool same_y4, bool good_y4, uint32_t undecided_0)
+{
+    const bool readmitted_y1 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !same_y1 && good_y1;
+    const bool readmitted_y2 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !same_y2 && good_y2;
+    const bool readmitted_y3 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !same_y3 && good_y3;
+    const bool readmitted_y4 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !same_y4 && good_y4;
+    return (maglev_5dof_redundancy_output_2_readmission_0_t){.doubted = (readmitted_y1 || readmitted_y2 ||
+        readmitted_y3 || readmitted_y4) ? 1u : undecided_0, .readmitted_y1 = readmitted_y1,
+        .readmitted_y2 = readmitted_y2, .readmitted_y3 = readmitted_y3, .readmitted_y4 = readmitted_y4};
+}
+
+typedef struct {
+    float value;
+    float value_2;
+    float value_3;
+    float value_4;
+    bool enough;
+} maglev_5dof_redundancy_output_2_replacement_0_t;
+
+/* replacement_0 */
+MAGLEV_5DOF_INLINE maglev_5dof_redundancy_output_2_replacement_0_t
+    maglev_5dof_redundancy_output_2_replacement_0(bool usable_y1, float y1_accepted, uint32_t missing, float residual_0,
+    float y1_expected, bool usable_y2, float y2_accepted, float y2_expected, bool usable_y3, float y3_accepted,
+    float y3_expected, bool usable_y4, float y4_accepted, float residual_0_sum, float y4_expected)
+{
+    static const float highest_y1_y3 = 0.0322f;                 /* m; end of its range */
+    static const float lowest_y1_y3 = 0.0168f;                  /* m; end of its range */
+    static const float highest_y2_y4 = 0.0366f;                 /* m; end of its range */
+    static const float lowest_y2_y4 = 0.0124f;                  /* m; end of its range */
+
+    const bool enough = missing <= 1u;
+    float predicted_y1 = y1_expected;
+    float predicted_y2 = y2_expected;
+    float predicted_y3 = y3_expected;
+    float predicted_y4 = residual_0_sum;
+    if (enough) {
+        predicted_y1 = y1_accepted - residual_0;
+        predicted_y2 = y2_accepted + residual_0;
+        predicted_y3 = y3_accepted - residual_0;
+    } else {
+        predicted_y4 = y4_expected;
+    }
+    return (maglev_5dof_redundancy_output_2_replacement_0_t){.value = maglev_5dof_max(maglev_5dof_min((usable_y1) ?
+        y1_accepted : predicted_y1, highest_y1_y3), lowest_y1_y3),
+        .value_2 = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : predicted_y2, highest_y2_y4),
+        lowest_y2_y4), .value_3 = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : predicted_y3,
+        highest_y1_y3), lowest_y1_y3), .value_4 = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted :
+        predicted_y4, highest_y2_y4), lowest_y2_y4), .enough = enough};
+}
+
+typedef struct {
     float y1_held;
     float y2_held;
     float y3_held;
@@ -456,22 +625,8 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t
 {
     /* m; largest |r| without a fault: half a count and an offset of each sensor */
     static const float threshold_0 = 4.8e-05f;
-    static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
-    /* 1; of |r|: least E by a code that stands still; it had |r| at first, and predictions follow it */
-    static const float candidate_part = 0.4f;
-    static const uint32_t all_but_one_of_4 = 3u;                /* 1; sensors of a group but one */
-    static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
-    static const float lead_by_code = 0.05f; /* 1; of |r|: least lead over the next E by codes: more than noise of E */
-    /* 1; of |r|: least lead by innovations alone, which predictions that followed an error spoil */
-    static const float lead_by_innovation = 0.3f;
-    static const float preference = 10.0f; /* m; more than any E: codes decide before innovations */
-    static const float twice_preference = 20.0f;                /* m; more than any score: no sensor is named */
     static const uint32_t undecided_from = 9u;                  /* 1; contradictions before all are suspects */
     static const uint32_t tolerated_missing = 2u;               /* 1; readings of a group that may be missing */
-    static const float highest_y1_y3 = 0.0322f;                 /* m; end of its range */
-    static const float lowest_y1_y3 = 0.0168f;                  /* m; end of its range */
-    static const float highest_y2_y4 = 0.0366f;                 /* m; end of its range */
-    static const float lowest_y2_y4 = 0.0124f;                  /* m; end of its range */
 
     const float residual_0_sum = accepted->y1 - accepted->y2 + accepted->y3;
     const float residual_0 = residual_0_sum - accepted->y4;
@@ -530,140 +685,62 @@ MAGLEV_5DOF_LARGE maglev_5dof_redundancy_output_2_t
                 suspect_y3 = undecided_0_positive;
                 suspect_y4 = undecided_0_positive;
             } else {
-                const bool residual_0_positive = 0.0f < residual_0;
-                const float direction_y1_y3 = (residual_0_positive) ? 1.0f : -1.0f;
-                const float E_y1 = direction_y1_y3 * (accepted->y1 - gap_prediction->y1_expected);
-                const float direction_y2_y4 = (residual_0_positive) ? -1.0f : 1.0f;
-                const float E_y2 = direction_y2_y4 * (accepted->y2 - gap_prediction->y2_expected);
-                const float E_y3 = direction_y1_y3 * (accepted->y3 - gap_prediction->y3_expected);
-                const float E_y4 = direction_y2_y4 * (accepted->y4 - gap_prediction->y4_expected);
-                const bool repeats_y1_2 = repeated_samples <= redundancy_output->still_y1_next;
-                const float least_E = candidate_part * size;
-                const bool candidate_y1 = repeats_y1_2 && (least_E < E_y1);
-                const bool repeats_y2_2 = repeated_samples <= redundancy_output->still_y2_next;
-                const bool candidate_y2 = repeats_y2_2 && (least_E < E_y2);
-                const bool repeats_y3_2 = repeated_samples <= redundancy_output->still_y3_next;
-                const bool candidate_y3 = repeats_y3_2 && (least_E < E_y3);
-                const bool repeats_y4_2 = repeated_samples <= redundancy_output->still_y4_next;
-                const bool candidate_y4 = repeats_y4_2 && (least_E < E_y4);
-                const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
-                    maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
-                const bool by_first_rule = candidates != 0u;
-                const uint32_t moving = maglev_5dof_flag(redundancy_output->still_y1_next < repeated_samples) +
-                    maglev_5dof_flag(redundancy_output->still_y2_next < repeated_samples) +
-                    maglev_5dof_flag(redundancy_output->still_y3_next < repeated_samples) +
-                    maglev_5dof_flag(redundancy_output->still_y4_next < repeated_samples);
-                uint32_t standing = 0u;
-                float preferred_y1 = 0.0f;
-                float preferred_y2 = 0.0f;
-                float preferred_y3 = 0.0f;
-                float preferred_y4 = 0.0f;
-                if (moving == all_but_one_of_4) {
-                    const bool stands_y1 = still_samples <= redundancy_output->still_y1_next;
-                    const bool stands_y2 = still_samples <= redundancy_output->still_y2_next;
-                    const bool stands_y3 = still_samples <= redundancy_output->still_y3_next;
-                    const bool stands_y4 = still_samples <= redundancy_output->still_y4_next;
-                    standing = maglev_5dof_flag(stands_y1) + maglev_5dof_flag(stands_y2) + maglev_5dof_flag(stands_y3) +
-                        maglev_5dof_flag(stands_y4);
-                    const float by_second_rule = 1.0f - (by_first_rule ? 1.0f : 0.0f);
-                    preferred_y1 = (stands_y1) ? by_second_rule : 0.0f;
-                    preferred_y2 = (stands_y2) ? by_second_rule : 0.0f;
-                    preferred_y3 = (stands_y3) ? by_second_rule : 0.0f;
-                    preferred_y4 = (stands_y4) ? by_second_rule : 0.0f;
-                }
-                const float score_y1 = E_y1 +
-                    (preference * ((candidate_y1 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y1));
-                const float score_y2 = E_y2 +
-                    (preference * ((candidate_y2 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y2));
-                const float score_y3 = E_y3 +
-                    (preference * ((candidate_y3 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y3));
-                const float score_y4 = E_y4 +
-                    (preference * ((candidate_y4 ? 1.0f : 0.0f) - (by_first_rule ? 1.0f : 0.0f) + preferred_y4));
-                const bool by_code = (candidates + standing) != 0u;
-                const float best_y1 = maglev_5dof_max(-preference, score_y1);
-                const float best_y2 = maglev_5dof_max(best_y1, score_y2);
-                const float best_y3 = maglev_5dof_max(best_y2, score_y3);
-                const float best = maglev_5dof_max(best_y3, score_y4);
-                const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-preference,
-                    maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)),
-                    maglev_5dof_min(best_y3, score_y4));
-                const float least = (((((by_code) ? lead_by_code : lead_by_innovation) * size) < (best - second)) &&
-                    (by_code || decided_2)) ? best : twice_preference;
-                const bool isolated_y1_2 = least <= score_y1;
+                const maglev_5dof_redundancy_output_2_isolation_0_t isolation_0 =
+                    maglev_5dof_redundancy_output_2_isolation_0(residual_0, accepted->y1, gap_prediction->y1_expected,
+                    accepted->y2, gap_prediction->y2_expected, accepted->y3, gap_prediction->y3_expected, accepted->y4,
+                    gap_prediction->y4_expected, redundancy_output->still_y1_next, size,
+                    redundancy_output->still_y2_next, redundancy_output->still_y3_next,
+                    redundancy_output->still_y4_next, decided_2);
                 const uint32_t contradictions_0 = state->contradictions_0;
                 const uint32_t waited_2 = (undecided_from <= contradictions_0) ? 1u : undecided_0;
-                suspect_y1 = (maglev_5dof_flag(isolated_y1_2) + waited_2) != 0u;
-                const bool isolated_y2_2 = least <= score_y2;
-                suspect_y2 = (maglev_5dof_flag(isolated_y2_2) + waited_2) != 0u;
-                const bool isolated_y3_2 = least <= score_y3;
-                suspect_y3 = (maglev_5dof_flag(isolated_y3_2) + waited_2) != 0u;
-                const bool isolated_y4_2 = least <= score_y4;
-                suspect_y4 = (maglev_5dof_flag(isolated_y4_2) + waited_2) != 0u;
-                y1_held = maglev_5dof_max(maglev_5dof_min(accepted->y1 - ((isolated_y1_2) ? residual_0 : 0.0f),
-                    highest_y1_y3), lowest_y1_y3);
-                y2_held = maglev_5dof_max(maglev_5dof_min(accepted->y2 + ((isolated_y2_2) ? residual_0 : 0.0f),
-                    highest_y2_y4), lowest_y2_y4);
-                y3_held = maglev_5dof_max(maglev_5dof_min(accepted->y3 - ((isolated_y3_2) ? residual_0 : 0.0f),
-                    highest_y1_y3), lowest_y1_y3);
-                y4_held = maglev_5dof_max(maglev_5dof_min(accepted->y4 + ((isolated_y4_2) ? residual_0 : 0.0f),
-                    highest_y2_y4), lowest_y2_y4);
-                isolated_y1 = isolated_y1_2;
-                isolated_y2 = isolated_y2_2;
-                isolated_y3 = isolated_y3_2;
-                isolated_y4 = isolated_y4_2;
-                repeats_y1 = repeats_y1_2;
-                repeats_y2 = repeats_y2_2;
-                repeats_y3 = repeats_y3_2;
-                repeats_y4 = repeats_y4_2;
+                suspect_y1 = (maglev_5dof_flag(isolation_0.isolated_y1) + waited_2) != 0u;
+                suspect_y2 = (maglev_5dof_flag(isolation_0.isolated_y2) + waited_2) != 0u;
+                suspect_y3 = (maglev_5dof_flag(isolation_0.isolated_y3) + waited_2) != 0u;
+                suspect_y4 = (maglev_5dof_flag(isolation_0.isolated_y4) + waited_2) != 0u;
+                y1_held = isolation_0.value;
+                y2_held = isolation_0.value_2;
+                y3_held = isolation_0.value_3;
+                y4_held = isolation_0.value_4;
+                repeats_y1 = isolation_0.repeats_y1;
+                repeats_y2 = isolation_0.repeats_y2;
+                repeats_y3 = isolation_0.repeats_y3;
+                repeats_y4 = isolation_0.repeats_y4;
+                isolated_y1 = isolation_0.isolated_y1;
                 waited = waited_2;
+                isolated_y2 = isolation_0.isolated_y2;
+                isolated_y3 = isolation_0.isolated_y3;
+                isolated_y4 = isolation_0.isolated_y4;
             }
             agrees = agrees_2;
             decided = decided_2;
         } else {
             const uint32_t stuck_0 = state->stuck_0;
-            const bool readmitted_y1_2 = (stuck_0 != 0u) && (excluded_y1 != 0u) && !redundancy_output->same_y1 &&
-                good_y1;
-            const bool readmitted_y2_2 = (stuck_0 != 0u) && (excluded_y2 != 0u) && !redundancy_output->same_y2 &&
-                good_y2;
-            const bool readmitted_y3_2 = (stuck_0 != 0u) && (excluded_y3 != 0u) && !redundancy_output->same_y3 &&
-                good_y3;
-            const bool readmitted_y4_2 = (stuck_0 != 0u) && (excluded_y4 != 0u) && !redundancy_output->same_y4 &&
-                good_y4;
-            const uint32_t doubted_2 = (readmitted_y1_2 || readmitted_y2_2 || readmitted_y3_2 || readmitted_y4_2) ? 1u :
-                undecided_0;
-            suspect_y1 = (excluded_y1 + doubted_2) != 0u;
-            suspect_y2 = (excluded_y2 + doubted_2) != 0u;
-            suspect_y3 = (excluded_y3 + doubted_2) != 0u;
-            suspect_y4 = (excluded_y4 + doubted_2) != 0u;
+            const maglev_5dof_redundancy_output_2_readmission_0_t readmission_0 =
+                maglev_5dof_redundancy_output_2_readmission_0(stuck_0, excluded_y1, redundancy_output->same_y1, good_y1,
+                excluded_y2, redundancy_output->same_y2, good_y2, excluded_y3, redundancy_output->same_y3, good_y3,
+                excluded_y4, redundancy_output->same_y4, good_y4, undecided_0);
+            suspect_y1 = (excluded_y1 + readmission_0.doubted) != 0u;
+            suspect_y2 = (excluded_y2 + readmission_0.doubted) != 0u;
+            suspect_y3 = (excluded_y3 + readmission_0.doubted) != 0u;
+            suspect_y4 = (excluded_y4 + readmission_0.doubted) != 0u;
             const uint32_t missing = maglev_5dof_flag((usable_y1) ? false : true) + maglev_5dof_flag((usable_y2) ? false
                 : true) + maglev_5dof_flag((usable_y3) ? false : true) + maglev_5dof_flag((usable_y4) ? false : true);
             gaps_sufficient_if_ready = missing <= tolerated_missing;
-            const bool enough_2 = missing <= 1u;
-            float predicted_y1 = gap_prediction->y1_expected;
-            float predicted_y2 = gap_prediction->y2_expected;
-            float predicted_y3 = gap_prediction->y3_expected;
-            float predicted_y4 = residual_0_sum;
-            if (enough_2) {
-                predicted_y1 = accepted->y1 - residual_0;
-                predicted_y2 = accepted->y2 + residual_0;
-                predicted_y3 = accepted->y3 - residual_0;
-            } else {
-                predicted_y4 = gap_prediction->y4_expected;
-            }
-            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? accepted->y1 : predicted_y1, highest_y1_y3),
-                lowest_y1_y3);
-            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? accepted->y2 : predicted_y2, highest_y2_y4),
-                lowest_y2_y4);
-            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? accepted->y3 : predicted_y3, highest_y1_y3),
-                lowest_y1_y3);
-            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? accepted->y4 : predicted_y4, highest_y2_y4),
-                lowest_y2_y4);
-            readmitted_y1 = readmitted_y1_2;
-            readmitted_y2 = readmitted_y2_2;
-            readmitted_y3 = readmitted_y3_2;
-            readmitted_y4 = readmitted_y4_2;
-            doubted = doubted_2;
-            enough = enough_2;
+            const maglev_5dof_redundancy_output_2_replacement_0_t replacement_0 =
+                maglev_5dof_redundancy_output_2_replacement_0(usable_y1, accepted->y1, missing, residual_0,
+                gap_prediction->y1_expected, usable_y2, accepted->y2, gap_prediction->y2_expected, usable_y3,
+                accepted->y3, gap_prediction->y3_expected, usable_y4, accepted->y4, residual_0_sum,
+                gap_prediction->y4_expected);
+            y1_held = replacement_0.value;
+            y2_held = replacement_0.value_2;
+            y3_held = replacement_0.value_3;
+            y4_held = replacement_0.value_4;
+            readmitted_y1 = readmission_0.readmitted_y1;
+            readmitted_y2 = readmission_0.readmitted_y2;
+            readmitted_y3 = readmission_0.readmitted_y3;
+            readmitted_y4 = readmission_0.readmitted_y4;
+            doubted = readmission_0.doubted;
+            enough = replacement_0.enough;
         }
         whole = whole_2;
     }

@@ -315,6 +315,171 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_safe_output_latched_t
 }
 
 typedef struct {
+    float value;
+    float value_2;
+    float value_3;
+    float information;
+} planar_6dof_leadlag_sensing_output_2_yaw_t;
+
+/* yaw */
+PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_sensing_output_2_yaw_t planar_6dof_leadlag_sensing_output_2_yaw(float
+    r_1_product, float X_c, float X_s, float minus_Y_c, float m_y_square, float m_y_square_2, float phi_raw,
+    float r_2_product, float m_x_square, float m_x_square_2, float Y_s, float X_m, float Y_m)
+{
+    static const float slope_0 = 0.49650046f;                   /* 1/V^2; fit of the slope in the calculated field */
+    static const float slope_1 = 0.15281738f;                   /* 1/V^4; fit of the slope in the calculated field */
+    static const float amplitude_weight = 0.02322072f; /* 1/V^2; 2 W / V_0^2, W = 0.1: weight of m_x - m_y in the yaw */
+    static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 V_0^2: keeps a divisor from 0 */
+
+    const float h1 = X_c + X_s - (minus_Y_c * m_y_square * (slope_0 + (m_y_square_2 * slope_1)));
+    const float value = r_1_product - (h1 * phi_raw);
+    const float h2 = (X_c * m_x_square * (slope_0 + (m_x_square_2 * slope_1))) + (Y_s - minus_Y_c);
+    const float value_2 = r_2_product + (h2 * phi_raw);
+    const float h3 = (X_s * (Y_s + minus_Y_c)) + (Y_s * (X_s - X_c));
+    return (planar_6dof_leadlag_sensing_output_2_yaw_t){.value = value, .value_2 = value_2, .value_3 = (h1 * value) -
+        (h2 * value_2) + (amplitude_weight * (h3 * (X_m - Y_m))), .information = (h1 * h1) + (h2 * h2) +
+        (2.0f * (amplitude_weight * (h3 * h3))) + least_information};
+}
+
+/* place_x, place_y */
+PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_sensing_output_2_place(float m_x_square, float m_x_square_2,
+    float c, float ratio, float s)
+{
+    static const float position_1 = 0.009938624f;               /* m; fit of the position in the calculated field */
+    static const float position_3 = -0.0075761457f;             /* m; fit of the position in the calculated field */
+    static const float position_5 = 0.0061684945f;              /* m; fit of the position in the calculated field */
+    static const float position_7 = -0.0021809724f;             /* m; fit of the position in the calculated field */
+    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
+    static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
+
+    const float ratio_squared = ratio * ratio;
+    const float f_x = ratio * (position_1 +
+        (ratio_squared * (position_3 + (ratio_squared * (position_5 + (ratio_squared * position_7))))));
+    float in_pitch;
+    if (m_x_square <= m_x_square_2) {
+        if (c < 0.0f) {
+            if (0.0f < f_x) {
+                in_pitch = f_x - half_pitch;
+            } else {
+                in_pitch = f_x + half_pitch;
+            }
+        } else {
+            in_pitch = f_x;
+        }
+    } else {
+        in_pitch = ((s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
+    }
+    return in_pitch;
+}
+
+/* offset_x, offset_y */
+PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_sensing_output_2_offset(float in_pitch, float expected,
+    float before)
+{
+    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
+    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
+
+    const float off_x = in_pitch - expected;
+    float offset = before;
+    if (half_pitch < fabsf(off_x)) {
+        if (0.0f < off_x) {
+            if (-pitch <= before) {
+                offset = before - pitch;
+            }
+        } else {
+            if (before <= pitch) {
+                offset = before + pitch;
+            }
+        }
+    }
+    return offset;
+}
+
+typedef struct {
+    float X_s;
+    float m_x;
+    float Y_s;
+    float m_y;
+    float r_1;
+    float r_2;
+    float in_pitch_x;
+    float in_pitch_y;
+    float offset_x;
+    float offset_y;
+    float measured_x;
+    float measured_y;
+    float measured_phi;
+    float squared;
+} planar_6dof_leadlag_sensing_output_2_measurement_t;
+
+/* measurement */
+PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_2_measurement_t
+    planar_6dof_leadlag_sensing_output_2_measurement(float scale, float V_ax_held, float phi_raw, float V_ay_held,
+    float V_bx_held, float V_cy_held, float V_by_held, float V_cx_held, float expected_x, float offset_x_before,
+    float expected_y, float offset_y_before, float x_predicted, float y_predicted, float phi_predicted,
+    float innovation_phi, planar_6dof_leadlag_diagnostics_t *diagnostics)
+{
+    static const float power_0 = 7.7654033f;                    /* V^2; fit of the power in the calculated field */
+    static const float power_1 = 0.11621765f;                   /* 1/V^2; fit of the power in the calculated field */
+    static const float power_2 = -0.0013770753f;                /* 1/V^6; fit of the power in the calculated field */
+    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 V_0^2: keeps a divisor from 0 */
+    /* 1/V^2; (0.08 / (0.15 V_0))^2, V_0 = 2.93479 V: amplitude of the Hall voltages */
+    static const float m_weight = 0.033025026f;
+    static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 V_0 / 0.0006 m)^2 */
+    static const float lasting = 0.8f; /* 1; part of the last innovation of the yaw that is expected again */
+
+    const float phi_raw_times_V_ay_held = phi_raw * V_ay_held;
+    const float X_s = scale * (V_ax_held - phi_raw_times_V_ay_held);
+    const float X_c = scale * (phi_raw_times_V_ay_held - V_bx_held);
+    const float X_s_times_X_c = X_s * X_c;
+    const float X_s_squared = X_s * X_s;
+    const float X_c_squared = X_c * X_c;
+    const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
+    /*@ admit -1.0f <= ratio_x <= 1.0f; */
+    const float in_pitch_x = planar_6dof_leadlag_sensing_output_2_place(X_s_squared, X_c_squared, X_c, ratio_x, X_s);
+    const float offset_x = planar_6dof_leadlag_sensing_output_2_offset(in_pitch_x, expected_x, offset_x_before);
+    const float measured_x = in_pitch_x + offset_x;
+    const float phi_raw_times_V_ax_held = phi_raw * V_ax_held;
+    const float Y_s = scale * (V_ay_held + phi_raw_times_V_ax_held);
+    const float minus_Y_c = scale * (V_cy_held + phi_raw_times_V_ax_held);
+    const float Y_s_times_minus_Y_c = Y_s * minus_Y_c;
+    const float Y_s_squared = Y_s * Y_s;
+    const float minus_Y_c_squared = minus_Y_c * minus_Y_c;
+    const float ratio_y = -(Y_s_times_minus_Y_c /
+        (planar_6dof_leadlag_max(Y_s_squared, minus_Y_c_squared) + least_square));
+    /*@ admit -1.0f <= ratio_y <= 1.0f; */
+    const float in_pitch_y = planar_6dof_leadlag_sensing_output_2_place(Y_s_squared, minus_Y_c_squared, -minus_Y_c,
+        ratio_y, Y_s);
+    const float offset_y = planar_6dof_leadlag_sensing_output_2_offset(in_pitch_y, expected_y, offset_y_before);
+    const float measured_y = in_pitch_y + offset_y;
+    const float squared_product_x = X_s_times_X_c * X_s_times_X_c;
+    const float m_x = X_s_squared + X_c_squared -
+        (power_0 + (squared_product_x * (power_1 + (squared_product_x * power_2))));
+    const float squared_product_y = Y_s_times_minus_Y_c * Y_s_times_minus_Y_c;
+    const float m_y = Y_s_squared + minus_Y_c_squared -
+        (power_0 + (squared_product_y * (power_1 + (squared_product_y * power_2))));
+    const planar_6dof_leadlag_sensing_output_2_yaw_t yaw = planar_6dof_leadlag_sensing_output_2_yaw(scale * (V_by_held -
+        V_ay_held), X_c, X_s, minus_Y_c, minus_Y_c_squared, Y_s_squared, phi_raw, scale * (V_cx_held - V_ax_held),
+        X_c_squared, X_s_squared, Y_s, m_x, m_y);
+    const float innovation_x = measured_x - x_predicted;
+    const float innovation_y = measured_y - y_predicted;
+    const float measured_phi = phi_raw + (yaw.value_3 / yaw.information);
+    const float unexpected_yaw = measured_phi - (phi_predicted + (lasting * innovation_phi));
+    if (diagnostics != NULL) {
+        diagnostics->m_x = m_x;
+        diagnostics->m_y = m_y;
+        diagnostics->r_1 = yaw.value;
+        diagnostics->r_2 = yaw.value_2;
+    }
+    return (planar_6dof_leadlag_sensing_output_2_measurement_t){.X_s = X_s, .m_x = m_x, .Y_s = Y_s, .m_y = m_y,
+        .r_1 = yaw.value, .r_2 = yaw.value_2, .in_pitch_x = in_pitch_x, .in_pitch_y = in_pitch_y, .offset_x = offset_x,
+        .offset_y = offset_y, .measured_x = measured_x, .measured_y = measured_y, .measured_phi = measured_phi,
+        .squared = (yaw.value * yaw.value) + (yaw.value_2 * yaw.value_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
+        (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y))) +
+        (yaw.information * (unexpected_yaw * unexpected_yaw))};
+}
+
+typedef struct {
     float x_raw;
     float y_raw;
     float phi_raw;
@@ -330,25 +495,6 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_2_t
     float phi_predicted, float phi_mean, planar_6dof_leadlag_diagnostics_t *diagnostics)
 {
     static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
-    static const float slope_0 = 0.49650046f;                   /* 1/V^2; fit of the slope in the calculated field */
-    static const float slope_1 = 0.15281738f;                   /* 1/V^4; fit of the slope in the calculated field */
-    /* 1/V^2; (0.08 / (0.15 V_0))^2, V_0 = 2.93479 V: amplitude of the Hall voltages */
-    static const float m_weight = 0.033025026f;
-    static const float power_0 = 7.7654033f;                    /* V^2; fit of the power in the calculated field */
-    static const float power_1 = 0.11621765f;                   /* 1/V^2; fit of the power in the calculated field */
-    static const float power_2 = -0.0013770753f;                /* 1/V^6; fit of the power in the calculated field */
-    static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 V_0 / 0.0006 m)^2 */
-    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 V_0^2: keeps a divisor from 0 */
-    static const float position_1 = 0.009938624f;               /* m; fit of the position in the calculated field */
-    static const float position_3 = -0.0075761457f;             /* m; fit of the position in the calculated field */
-    static const float position_5 = 0.0061684945f;              /* m; fit of the position in the calculated field */
-    static const float position_7 = -0.0021809724f;             /* m; fit of the position in the calculated field */
-    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
-    static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
-    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
-    static const float amplitude_weight = 0.02322072f; /* 1/V^2; 2 W / V_0^2, W = 0.1: weight of m_x - m_y in the yaw */
-    static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 V_0^2: keeps a divisor from 0 */
-    static const float lasting = 0.8f; /* 1; part of the last innovation of the yaw that is expected again */
     /* V^2; (0.08 V_0)^2: rho^2 is the weighted sum of the squared residuals over this */
     static const float squared_residual_limit = 0.055123184f;
     static const float max_within = 0.0274f; /* m; half of the pitch, and 0.002 m for bad samples in a row */
@@ -382,129 +528,34 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_2_t
     if (complete) {
         const float scale = state->scale;
         const float phi_raw = state->phi_raw;
-        const float phi_raw_times_V_ay_held = phi_raw * accepted->V_ay;
-        const float X_s = scale * (accepted->V_ax - phi_raw_times_V_ay_held);
-        const float X_c = scale * (phi_raw_times_V_ay_held - accepted->V_bx);
-        const float X_s_times_X_c = X_s * X_c;
-        const float X_s_squared = X_s * X_s;
-        const float X_c_squared = X_c * X_c;
-        const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
-        /*@ admit -1.0f <= ratio_x <= 1.0f; */
-        const float phi_raw_times_V_ax_held = phi_raw * accepted->V_ax;
-        const float Y_s = scale * (accepted->V_ay + phi_raw_times_V_ax_held);
-        const float minus_Y_c = scale * (accepted->V_cy + phi_raw_times_V_ax_held);
-        const float Y_s_times_minus_Y_c = Y_s * minus_Y_c;
-        const float Y_s_squared = Y_s * Y_s;
-        const float minus_Y_c_squared = minus_Y_c * minus_Y_c;
-        const float ratio_y = -(Y_s_times_minus_Y_c /
-            (planar_6dof_leadlag_max(Y_s_squared, minus_Y_c_squared) + least_square));
-        /*@ admit -1.0f <= ratio_y <= 1.0f; */
-        const float squared_product_x = X_s_times_X_c * X_s_times_X_c;
-        const float m_x = X_s_squared + X_c_squared -
-            (power_0 + (squared_product_x * (power_1 + (squared_product_x * power_2))));
-        const float squared_product_y = Y_s_times_minus_Y_c * Y_s_times_minus_Y_c;
-        const float m_y = Y_s_squared + minus_Y_c_squared -
-            (power_0 + (squared_product_y * (power_1 + (squared_product_y * power_2))));
-        const float h1 = X_c + X_s - (minus_Y_c * minus_Y_c_squared * (slope_0 + (Y_s_squared * slope_1)));
-        const float r_1 = (scale * (accepted->V_by - accepted->V_ay)) - (h1 * phi_raw);
-        const float h2 = (X_c * X_c_squared * (slope_0 + (X_s_squared * slope_1))) + (Y_s - minus_Y_c);
-        const float r_2 = (scale * (accepted->V_cx - accepted->V_ax)) + (h2 * phi_raw);
-        const float ratio_x_squared = ratio_x * ratio_x;
-        const float f_x = ratio_x * (position_1 +
-            (ratio_x_squared * (position_3 + (ratio_x_squared * (position_5 + (ratio_x_squared * position_7))))));
-        float in_pitch_x;
-        if (X_s_squared <= X_c_squared) {
-            if (X_c < 0.0f) {
-                if (0.0f < f_x) {
-                    in_pitch_x = f_x - half_pitch;
-                } else {
-                    in_pitch_x = f_x + half_pitch;
-                }
-            } else {
-                in_pitch_x = f_x;
-            }
-        } else {
-            in_pitch_x = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x;
-        }
-        const float off_x = in_pitch_x - expected_x;
-        float offset_x_2 = offset_x;
-        if (half_pitch < fabsf(off_x)) {
-            if (0.0f < off_x) {
-                if (-pitch <= offset_x) {
-                    offset_x_2 = offset_x - pitch;
-                }
-            } else {
-                if (offset_x <= pitch) {
-                    offset_x_2 = offset_x + pitch;
-                }
-            }
-        }
-        const float measured_x = in_pitch_x + offset_x_2;
-        const float innovation_x = measured_x - x_predicted;
-        const float ratio_y_squared = ratio_y * ratio_y;
-        const float f_y = ratio_y * (position_1 +
-            (ratio_y_squared * (position_3 + (ratio_y_squared * (position_5 + (ratio_y_squared * position_7))))));
-        float in_pitch_y;
-        if (Y_s_squared <= minus_Y_c_squared) {
-            if (-minus_Y_c < 0.0f) {
-                if (0.0f < f_y) {
-                    in_pitch_y = f_y - half_pitch;
-                } else {
-                    in_pitch_y = f_y + half_pitch;
-                }
-            } else {
-                in_pitch_y = f_y;
-            }
-        } else {
-            in_pitch_y = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y;
-        }
-        const float off_y = in_pitch_y - expected_y;
-        float offset_y_2 = offset_y;
-        if (half_pitch < fabsf(off_y)) {
-            if (0.0f < off_y) {
-                if (-pitch <= offset_y) {
-                    offset_y_2 = offset_y - pitch;
-                }
-            } else {
-                if (offset_y <= pitch) {
-                    offset_y_2 = offset_y + pitch;
-                }
-            }
-        }
-        const float measured_y = in_pitch_y + offset_y_2;
-        const float innovation_y = measured_y - y_predicted;
-        const float h3 = (X_s * (Y_s + minus_Y_c)) + (Y_s * (X_s - X_c));
-        const float information = (h1 * h1) + (h2 * h2) + (2.0f * (amplitude_weight * (h3 * h3))) + least_information;
-        const float measured_phi = phi_raw +
-            (((h1 * r_1) - (h2 * r_2) + (amplitude_weight * (h3 * (m_x - m_y)))) / information);
-        const float unexpected_yaw = measured_phi - (phi_predicted + (lasting * innovation_phi));
-        const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) +
-            (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y))) +
-            (information * (unexpected_yaw * unexpected_yaw));
+        const planar_6dof_leadlag_sensing_output_2_measurement_t measurement =
+            planar_6dof_leadlag_sensing_output_2_measurement(scale, accepted->V_ax, phi_raw, accepted->V_ay,
+            accepted->V_bx, accepted->V_cy, accepted->V_by, accepted->V_cx, expected_x, offset_x, expected_y, offset_y,
+            x_predicted, y_predicted, phi_predicted, innovation_phi, diagnostics);
         const uint32_t contradiction_left = state->contradiction_left;
-        if ((ready != 0u) && (squared_confirmation < squared) &&
-                ((contradiction_left != 0u) || (squared_residual_limit < squared))) {
+        if ((ready != 0u) && (squared_confirmation < measurement.squared) &&
+                ((contradiction_left != 0u) || (squared_residual_limit < measurement.squared))) {
             added = planar_6dof_leadlag_limit(phi_mean, fabsf(innovation_phi));
             state->contradiction_left = memory;
             if (contradiction_left != 0u) {
                 state->contradiction_confirmed = 1u;
             } else {
-                state->first_m_x = m_x;
-                state->first_m_y = m_y;
-                state->first_r_1 = r_1;
-                state->first_r_2 = r_2;
-                state->first_s_x = X_s;
-                state->first_s_y = Y_s;
+                state->first_r_1 = measurement.r_1;
+                state->first_r_2 = measurement.r_2;
+                state->first_m_x = measurement.m_x;
+                state->first_m_y = measurement.m_y;
+                state->first_s_x = measurement.X_s;
+                state->first_s_y = measurement.Y_s;
                 state->first_phi = phi_raw;
             }
         } else {
             measured = true;
-            x_raw = measured_x;
-            y_raw = measured_y;
-            raw_yaw = measured_phi;
+            x_raw = measurement.measured_x;
+            y_raw = measurement.measured_y;
+            raw_yaw = measurement.measured_phi;
             added = 0.0f;
-            within_x = in_pitch_x;
-            within_y = in_pitch_y;
+            within_x = measurement.in_pitch_x;
+            within_y = measurement.in_pitch_y;
             if (1u <= contradiction_left) {
                 state->contradiction_left = contradiction_left - 1u;
             }
@@ -516,8 +567,9 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_2_t
                 } else {
                     gain = first_scale_gain;
                 }
-                state->scale = scale_middle +
-                    planar_6dof_leadlag_limit(scale - (gain * (m_x + m_y)) - scale_middle, scale_half_range);
+                const float scale_limited = planar_6dof_leadlag_limit(scale -
+                    (gain * (measurement.m_x + measurement.m_y)) - scale_middle, scale_half_range);
+                state->scale = scale_middle + scale_limited;
             } else {
                 const uint32_t watch_channel = state->watch_channel;
                 float code = accepted->V_ax;
@@ -545,14 +597,8 @@ PLANAR_6DOF_LEADLAG_LARGE planar_6dof_leadlag_sensing_output_2_t
                     state->watch_left = between_watches;
                 }
             }
-            state->offset_x = offset_x_2;
-            state->offset_y = offset_y_2;
-        }
-        if (diagnostics != NULL) {
-            diagnostics->m_x = m_x;
-            diagnostics->m_y = m_y;
-            diagnostics->r_1 = r_1;
-            diagnostics->r_2 = r_2;
+            state->offset_x = measurement.offset_x;
+            state->offset_y = measurement.offset_y;
         }
     }
     if (!measured) {

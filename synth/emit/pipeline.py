@@ -18,6 +18,7 @@
     numbers.with_numbers           a literal that a Block declares becomes a constant with a name
     parts.with_idle_results        what others do not read is not computed
     parts.alike, routine.outlined  each Block becomes a function that the step calls, like Blocks the same one
+    law_functions.alike            so does each function that its law calls
 
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """

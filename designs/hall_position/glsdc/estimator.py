@@ -34,7 +34,7 @@ from synth.blocks.estimate import glsdc_estimator, phasor
 from synth.blocks.estimate.glsdc import NamedExpressions
 from synth.blocks.estimate.glsdc_solution import Normal
 from synth.blocks.estimate.phasor import Phasor
-from synth.law import label
+from synth.law import call, label
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -76,8 +76,8 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
         normal, yaw = solution.last.normal, prediction["yaw"] + solution.at[2]
         yaw_variance = _yaw_variance(normal, problem)
         weight = _prior_weight(normal, yaw_variance, problem)
-        integrity = tracking.check_integrity(problem, solution, yaw, weight, u, x)
-        after = tracking.advance(solution, integrity, prediction, x, problem)
+        integrity = call("integrity", tracking.check_integrity, problem, solution, yaw, weight, u, x)
+        after = call("track", tracking.advance, solution, integrity, prediction, x, problem)
         lever = _lever(predicted.turns[-1], after.yaw_change, array)
         known = ca.logic_and(after.ambiguity_resolved, ca.logic_not(x["lock_lost"]))
         accepted = ca.logic_and(after.inside, u["complete"])

@@ -27,6 +27,7 @@ from synth.blocks.estimate.glsdc import NamedExpressions, Solution
 from synth.blocks.estimate.glsdc_jacobian import Model, Prediction
 from synth.blocks.estimate.glsdc_model import Measurement, Phase, RotatedMeasurement, Unknown
 from synth.blocks.estimate.glsdc_solution import Iteration, Normal
+from synth.law import call
 from synth.signals import Signal
 
 AXES = ("x", "y")
@@ -73,7 +74,8 @@ def solve(of: Problem, u: Exprs, pose: Exprs, k: Exprs, named: NamedExpressions)
     """Return the solution of a sample from a predicted pose."""
     measured = [u[f"{s.name}_held"] for s in of.model.channels]
     constants = ca.vertcat(*(k[c.name] for c in field_constants(of.array)))
-    prediction = glsdc_jacobian.predict(of.model, [pose[n] for n in POSE], measured, constants, named)
+    values = [pose[n] for n in POSE]
+    prediction = call("prediction", glsdc_jacobian.predict, of.model, values, measured, constants, named)
     sample = glsdc_solution.Problem(of.model, prediction, [ca.SX(0)] * len(POSE), None)
     return glsdc_solution.solve(sample, of.iteration), prediction
 

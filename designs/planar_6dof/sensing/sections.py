@@ -54,7 +54,7 @@ Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "A Novel Multi-DOF Pre
 Two-Axis Hall-Effect Sensors".
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -66,7 +66,7 @@ from synth.blocks.estimate import dead_reckoning
 from synth.blocks.faults import innovation_monitor
 from synth.blocks.guard import safety
 from synth.fault import Fault
-from synth.law import label
+from synth.law import call, label
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -141,33 +141,13 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
     yaw, regularisation = RAW["phi"].name, REGULARISATION_FROM_FORCES if from_forces else REGULARISATION
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
         scale = x["scale"]
         phi = u["phi_predicted"] if predicted and not from_forces else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
-        minus_Y_c = scale * (cy + phi * ax)
-        X = pairs.pair("x", scale * (ax - phi * ay), scale * (phi * ay - bx), k)
-        Y = pairs.pair("y", scale * (ay + phi * ax), -minus_Y_c, k)
-        h1, h2 = pairs.slope(Y, k) + (X.c + X.s), pairs.slope(X, k) + (Y.c + Y.s)
-        r1, r2 = scale * (by - ay) - h1 * phi, scale * (cx - ax) + h2 * phi
-        ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
-        in_pitch = {axis: pairs.place(axis, pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
-        offset = {
-            axis: _nearest(axis, position, x[f"offset_{axis}"], expected[axis], l)
-            for axis, position in in_pitch.items()
-        }
-        numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, regularisation * A**2)
-        measured = {axis: position + offset[axis] for axis, position in in_pitch.items()} | {
-            "phi": phi + numerator / information
-        }
-        squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
-        if from_forces:
-            innovation = {a: measured[a] - u[f"{a}_predicted"] for a in "xy"}
-            unexpected_yaw = measured["phi"] - (u["phi_predicted"] + contradictions.LASTING * x[INNOVATION.name])
-            squared += contradictions.innovation_weight(A) * (innovation["x"] ** 2 + innovation["y"] ** 2)
-            squared += information * unexpected_yaw**2
-            label(innovation=innovation, unexpected_yaw=unexpected_yaw)
+        made = call("measurement", _measure, u, x, k, phi, expected, cal, from_forces)
+        X, Y, r1, r2, in_pitch, offset = made.X, made.Y, made.r1, made.r2, made.in_pitch, made.offset
+        measured, squared, ratio = made.measured, made.squared, made.ratio
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
@@ -230,9 +210,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
         numbers = [*_numbers(A, l, regularisation), *(_motion_numbers(A) if from_forces else [])]
         label(
-            accepted=accepted, X=X, Y=Y, minus_Y_c=minus_Y_c, ratio=ratio, in_pitch=in_pitch, expected=expected,
-            h1=h1, h2=h2, information=information, mean=mean, measured=measured, offset=offset, corrected=corrected,
-            squared=squared, raw_yaw=raw_yaw, gain=gain, common=common,
+            accepted=accepted, X=X, Y=Y, ratio=ratio, in_pitch=in_pitch, expected=expected, mean=mean,
+            measured=measured, offset=offset, corrected=corrected, squared=squared, raw_yaw=raw_yaw, gain=gain,
+            common=common,
         )  # fmt: skip
         return Step(output | residuals, next, named, certified, numbers, NOTES if from_forces else ())
 
@@ -245,6 +225,64 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, from_forces: b
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
     return replace(block, faults=AMPLITUDE_FAULTS)
+
+
+@dataclass(frozen=True, eq=False)
+class _Measurement:
+    """The pairs of both axes and their ratios, r_1 and r_2, and what follows from the voltages of a sample by axis.
+
+    `squared` is (RESIDUAL_BOUND A rho)^2, V^2.
+    """
+
+    X: pairs.Pair
+    Y: pairs.Pair
+    ratio: dict[str, ca.SX]
+    r1: ca.SX
+    r2: ca.SX
+    in_pitch: dict[str, ca.SX]
+    offset: dict[str, ca.SX]
+    measured: dict[str, ca.SX]
+    squared: ca.SX
+
+
+def _measure(
+    u: Exprs, x: Exprs, k: Exprs, phi: ca.SX, expected: Exprs, cal: calibration.Calibration, from_forces: bool
+) -> _Measurement:
+    A, l, scale = cal.amplitude, cal.pitch, x["scale"]
+    ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
+    minus_Y_c = scale * (cy + phi * ax)
+    X = pairs.pair("x", scale * (ax - phi * ay), scale * (phi * ay - bx), k)
+    Y = pairs.pair("y", scale * (ay + phi * ax), -minus_Y_c, k)
+    regularisation = REGULARISATION_FROM_FORCES if from_forces else REGULARISATION
+    r1, r2, numerator, information = call(
+        "yaw", _yaw, X, Y, scale * (by - ay), scale * (cx - ax), phi, k, regularisation * A**2
+    )
+    ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
+    in_pitch, offset = dict[str, ca.SX](), dict[str, ca.SX]()
+    for axis, pair in (("x", X), ("y", Y)):
+        in_pitch[axis] = call(f"place_{axis}", pairs.place, axis, pair, ratio[axis], k, cal)
+        offset[axis] = call(f"offset_{axis}", _nearest, axis, in_pitch[axis], x[f"offset_{axis}"], expected[axis], l)
+    measured = {a: in_pitch[a] + offset[a] for a in "xy"} | {"phi": phi + numerator / information}
+    squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
+    if from_forces:
+        innovation = {a: measured[a] - u[f"{a}_predicted"] for a in "xy"}
+        unexpected_yaw = measured["phi"] - (u["phi_predicted"] + contradictions.LASTING * x[INNOVATION.name])
+        squared += contradictions.innovation_weight(A) * (innovation["x"] ** 2 + innovation["y"] ** 2)
+        squared += information * unexpected_yaw**2
+        label(innovation=innovation, unexpected_yaw=unexpected_yaw)
+    label(minus_Y_c=minus_Y_c, information=information)
+    return _Measurement(X, Y, ratio, r1, r2, in_pitch, offset, measured, squared)
+
+
+def _yaw(
+    X: pairs.Pair, Y: pairs.Pair, by_ay: ca.SX, cx_ax: ca.SX, phi: ca.SX, k: Exprs, least: float
+) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Return r_1, r_2, and numerator and denominator of the yaw less the predicted one."""
+    h1, h2 = pairs.slope(Y, k) + (X.c + X.s), pairs.slope(X, k) + (Y.c + Y.s)
+    r1, r2 = by_ay - h1 * phi, cx_ax + h2 * phi
+    numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, least)
+    label(h1=h1, h2=h2)
+    return r1, r2, numerator, information
 
 
 def _bridge(u: Exprs, x: Exprs, phi: ca.SX, added: ca.SX, predicted: bool, from_forces: bool) -> dict[str, ca.SX]:

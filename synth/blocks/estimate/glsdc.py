@@ -30,7 +30,7 @@ from typing import Generic, Protocol, TypeVar
 import casadi as ca
 
 from synth.block import clip
-from synth.law import label
+from synth.law import call, label
 from synth.signals import Signal
 
 UNLIMITED = 4
@@ -97,25 +97,47 @@ class Descent:
 
 def descend(evaluate: Callable[[int, Vector], Trial[N]], of: Descent) -> Solution[N]:
     """Return the result of the corrections; `evaluate` makes the i-th trial, whose displacement is 0 for i = 0."""
-    trial = first = evaluate(0, [ca.SX(0)] * len(of.bounds))
+
+    def iteration(
+        i: int, before: Trial[N], better: ca.SX, best: Vector, lowest: ca.SX
+    ) -> tuple[Trial[N], ca.SX, Vector, ca.SX]:
+        lowest = ca.if_else(better, before.cost, lowest)
+        trial = evaluate(i, call("correction", _next, before, better, best, of))
+        better = trial.cost <= (1 + of.rounding) * lowest + of.slack
+        best = _choose(better, trial.at, best)
+        label(better=better, best=best, lowest=lowest)
+        return trial, better, best, lowest
+
+    trial = first = call("first_trial", evaluate, 0, [ca.SX(0)] * len(of.bounds))
     best, lowest, better = trial.at, trial.cost, ca.SX(1)
     for i in range(1, of.corrections):
-        trial = evaluate(i, _next(trial, better, best, of))
-        better = trial.cost <= (1 + of.rounding) * lowest + of.slack
-        best, lowest = _choose(better, trial.at, best), ca.if_else(better, trial.cost, lowest)
-    untried = _next(trial, ca.SX(1), best, of)
-    converged = ca.logic_and(better, trial.normal.decrease <= of.decrease_tolerance)
-    label(better=better, untried=untried, best=best, converged=converged)
-    return Solution(_choose(converged, untried, best), first, trial, converged)
+        trial, better, best, lowest = call(f"iteration_{i}", iteration, i, trial, better, best, lowest)
+
+    def last_correction(trial: Trial[N], better: ca.SX, best: Vector) -> tuple[list[ca.SX], ca.SX]:
+        untried = _next(trial, ca.SX(1), best, of)
+        converged = ca.logic_and(better, trial.normal.decrease <= of.decrease_tolerance)
+        label(better=better, untried=untried, best=best, converged=converged)
+        return _choose(converged, untried, best), converged
+
+    at, converged = call("last_correction", last_correction, trial, better, best)
+    return Solution(at, first, trial, converged)
 
 
 def iterate(evaluate: Callable[[int, Vector], Trial[N]], of: Descent) -> Solution[N]:
     """Return the result of the corrections without the descent check: every correction is applied."""
-    trial = first = evaluate(0, [ca.SX(0)] * len(of.bounds))
+
+    def iteration(i: int, before: Trial[N]) -> Trial[N]:
+        return evaluate(i, call("correction", _next, before, ca.SX(1), before.at, of))
+
+    trial = first = call("first_trial", evaluate, 0, [ca.SX(0)] * len(of.bounds))
     for i in range(1, of.corrections):
-        trial = evaluate(i, _next(trial, ca.SX(1), trial.at, of))
-    converged = trial.normal.decrease <= of.decrease_tolerance
-    return Solution(_next(trial, ca.SX(1), trial.at, of), first, trial, converged)
+        trial = call(f"iteration_{i}", iteration, i, trial)
+
+    def last_correction(trial: Trial[N]) -> tuple[list[ca.SX], ca.SX]:
+        return _next(trial, ca.SX(1), trial.at, of), trial.normal.decrease <= of.decrease_tolerance
+
+    at, converged = call("last_correction", last_correction, trial)
+    return Solution(at, first, trial, converged)
 
 
 def _next(trial: Trial[N], better: ca.SX, best: Vector, of: Descent) -> list[ca.SX]:

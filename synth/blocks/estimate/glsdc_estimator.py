@@ -46,7 +46,7 @@ from synth.blocks.guard import safety
 from synth.blocks.guard.safety import limit
 from synth.composition import compose
 from synth.errors import ModelError
-from synth.law import label
+from synth.law import call, label
 from synth.signals import Signal, product_unit, quotient_unit, signal_names
 from synth.timing import Discrete
 
@@ -266,7 +266,7 @@ def estimator(
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: NamedExpressions = []
         x = glsdc_monitor.with_rejection(monitor, u, x) if monitor else x
-        weights = glsdc_monitor.weights(monitor, x) if monitor else None
+        weights = call("weights", glsdc_monitor.weights, monitor, x) if monitor else None
         problem = _problem(of, u, x, ca.vcat([k[c.name] for c in constants]), weights, named)
         solution, about = glsdc_monitor.solve(monitor, problem, iteration or Iteration(), search is not None, x)
         step = _step(Monitored(of, monitor, search), problem, solution, about, u, x, named)
@@ -312,10 +312,16 @@ def guarded(
 def _problem(
     of: Model, u: Exprs, x: Exprs, constants: ca.SX, weights: Vector | None, named: NamedExpressions
 ) -> Problem:
-    values = [v.wrap(x[v.name] + x[_motion(v).name]) if v.velocity_gain else x[v.name] for v in of.unknowns]
+    values = call("extrapolation", _extrapolate, of, x)
     measured = [u[f"{s.name}_held"] for s in of.channels]
     offsets = [v.offset(value) for v, value in zip(of.unknowns, values, strict=True)]
-    return Problem(of, glsdc_jacobian.predict(of, values, measured, constants, named), offsets, weights)
+    prediction = call("prediction", glsdc_jacobian.predict, of, values, measured, constants, named)
+    return Problem(of, prediction, offsets, weights)
+
+
+def _extrapolate(of: Model, x: Exprs) -> list[ca.SX]:
+    """Return the predicted unknowns: those of the last sample, and their motions on."""
+    return [v.wrap(x[v.name] + x[_motion(v).name]) if v.velocity_gain else x[v.name] for v in of.unknowns]
 
 
 @dataclass(frozen=True, eq=False)
@@ -338,25 +344,20 @@ def _step(
 ) -> Step:
     of, monitor, search = estimator.model, estimator.monitor, estimator.search
     normal, unknowns = solution.last.normal, of.unknowns
-    variances = normal.variances
-    roots = [of.scale * ca.sqrt(variance) for variance in variances]
-    sigmas = [clip(root, _deviation(v)) for v, root in zip(unknowns, roots, strict=True)]
+    sigmas, weak = call("deviations", _deviations, of, normal)
     cost = ca.fmax(solution.last.cost - normal.decrease, 0)
-    weak = _is_weak(of, normal, variances)
     complete = u[SCREENED.name if monitor and monitor.integrity.screened else COMPLETE.name]
     accepted = ca.logic_and(complete, ca.logic_not(weak))
     good = ca.logic_and(solution.converged, accepted)
     starts = problem.prediction.values
-    pose = {v.name: v.wrap(p + d) for v, p, d in zip(unknowns, starts, solution.at, strict=True)}
-    motions = _motions(of, solution, x)
-    if monitor and monitor.integrity.exclude:  # a trial solves for another hypothesis: the track goes on without it
-        pose = {n: ca.if_else(x["trial"], p, q) for (n, q), p in zip(pose.items(), starts, strict=True)}
-        motions = {n: ca.if_else(x["trial"], x[n], m) for n, m in motions.items()}
+    pose, motions = call("movement", _movement, estimator, starts, solution, x)
     next = pose | motions
     output = pose | {_deviation(v).name: sigma for v, sigma in zip(unknowns, sigmas, strict=True)}
     output |= {CHI_SQUARE.name: ca.fmin(cost / of.scale**2, CHI_SQUARE.high)}
     if monitor:
-        judgement = glsdc_monitor.judge(monitor, solution, about, search is not None, cost, sigmas, x)
+        judgement = call(
+            "judgement", glsdc_monitor.judge, monitor, solution, about, search is not None, cost, sigmas, x
+        )
         accepted, output = ca.logic_and(accepted, judgement.passes), output | dict(judgement.levels)
         good = ca.logic_and(ca.logic_and(good, judgement.passes), judgement.within)
         next |= dict(judgement.next)
@@ -370,8 +371,8 @@ def _step(
             label(tracked=tracked[1])
     output |= {"converged": solution.converged, "weak": weak, "valid": good}
     label(cost=cost, accepted=accepted, good=good, weak=weak, pose=pose, motions=motions)
-    for v, start, variance in zip(unknowns, starts, variances, strict=True):
-        label(v.name, predicted=start, variance=variance)
+    for v, start in zip(unknowns, starts, strict=True):
+        label(v.name, predicted=start)
     return Step(output, next, named, problem.prediction.certified)
 
 
@@ -382,13 +383,44 @@ def _track(
     search = of.search
     assert search is not None
     tracking, lost = glsdc_search.is_tracking(search, x), glsdc_search.is_lost(search, x)
-    changed = glsdc_search.advance(search, of.model.unknowns, sample, x)
-    for name in (_motion(v).name for v in of.model.unknowns if v.velocity_gain):
-        changed[name] = ca.if_else(tracking, ca.if_else(sample.accepted, next[name], x[name]), 0)
+    changed = call("search", glsdc_search.advance, search, of.model.unknowns, sample, x)
+    changed |= call("motion", _tracked_motions, of.model, tracking, sample, next, x)
     for state in glsdc_monitor.states(of.monitor) if of.monitor else []:
         changed[state.name] = ca.if_else(tracking, next[state.name], 0)
     valid = ca.logic_and(good, ca.logic_and(tracking, ca.logic_not(lost)))
     return valid, ({"tracking": tracking, "lost": lost}, changed)
+
+
+def _tracked_motions(of: Model, tracking: ca.SX, sample: Sample, next: Exprs, x: Exprs) -> dict[str, ca.SX]:
+    """Return the next motions of a track, which keeps those of a sample that is not accepted, and 0 without one."""
+    names = [_motion(v).name for v in of.unknowns if v.velocity_gain]
+    return {n: ca.if_else(tracking, ca.if_else(sample.accepted, next[n], x[n]), 0) for n in names}
+
+
+def _deviations(of: Model, normal: Normal) -> tuple[list[ca.SX], ca.SX]:
+    """Return the limited deviation of each unknown, and whether one of them is not determined."""
+    variances = normal.variances
+    roots = [of.scale * ca.sqrt(variance) for variance in variances]
+    sigmas = [clip(root, _deviation(v)) for v, root in zip(of.unknowns, roots, strict=True)]
+    for v, variance in zip(of.unknowns, variances, strict=True):
+        label(v.name, variance=variance)
+    return sigmas, _is_weak(of, normal, variances)
+
+
+def _movement(
+    of: Monitored, starts: Vector, solution: Solution[Normal], x: Exprs
+) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+    """Return the unknowns after the corrections of a sample, and the next motions.
+
+    A trial solves for another hypothesis: the track goes on without it.
+    """
+    unknowns = of.model.unknowns
+    pose = {v.name: v.wrap(p + d) for v, p, d in zip(unknowns, starts, solution.at, strict=True)}
+    motions = _motions(of.model, solution, x)
+    if of.monitor and of.monitor.integrity.exclude:
+        pose = {n: ca.if_else(x["trial"], p, q) for (n, q), p in zip(pose.items(), starts, strict=True)}
+        motions = {n: ca.if_else(x["trial"], x[n], m) for n, m in motions.items()}
+    return pose, motions
 
 
 def _is_weak(of: Model, normal: Normal, variances: Vector) -> ca.SX:

@@ -60,7 +60,7 @@ from synth.blocks.estimate.glsdc import LdlFactors, LdlNormalEquations, LimitSte
 from synth.blocks.estimate.glsdc_jacobian import Linearisation, Model
 from synth.blocks.estimate.glsdc_solution import DYNAMIC_RANGE, Iteration, Normal, Problem
 from synth.errors import ModelError, SignalError
-from synth.law import label
+from synth.law import call, label
 from synth.signals import Signal
 
 DETECTABLE = 1e-3  # least s_j of a unit w_j: below, single precision does not tell a fault from a motion
@@ -181,24 +181,42 @@ def hypotheses(
 
     With least pivots f (n,), |x_ij| <= f_i^(-1/2) and |L^-1 H'w_j| <= ratio f^(1/2) up to rounding: these limit them.
     """
-    slopes, units = [], []
-    for w in linear.directions:
-        slopes.append([dot_sparse(w, [row[i] for row in linear.rows]) for i in range(len(floors))])
-        forward = glsdc.substitute_forward(factors, slopes[-1], [ratio * sqrt(f) for f in floors])
-        units.append(LdlNormalEquations(factors, forward))
-        label(str(len(units)), forward=forward)
-    moves = [_limit_moves(unit.step, floors) for unit in units]
-    gains, mixing, detectable = [ca.SX(0)] * len(units), [], ca.SX(1)
-    for group in groups:
-        members = _separabilities(group, units, linear)
-        for j, gain in zip(group, members.inverse, strict=True):
-            gains[j], detectable = gain, ca.logic_and(detectable, gain < (1 - ROUNDING) / DETECTABLE)
-        mixed = [_decorrelate([moves[j][i] for j in group], members.lower) for i in range(len(floors))]
-        for k, j in enumerate(group):
-            moves[j] = [column[k] for column in mixed]
-        mixing.append(members.lower)
+    of_groups = [
+        call(f"hypothesis_{n}", _hypothesis, group, factors, linear, floors, ratio) for n, group in enumerate(groups, 1)
+    ]
+    by_channel = {j: (h, k) for group, h in zip(groups, of_groups, strict=True) for k, j in enumerate(group)}
+    channels = [by_channel[j] for j in range(len(by_channel))]
+    slopes, moves = [h.slopes[k] for h, k in channels], [h.moves[k] for h, k in channels]
+    gains, mixing = [h.members.inverse[k] for h, k in channels], [h.members.lower for h in of_groups]
+    detectable = ca.SX(1)
+    for gain in (gain for h in of_groups for gain in h.members.inverse):
+        detectable = ca.logic_and(detectable, gain < (1 - ROUNDING) / DETECTABLE)
     label(gain=gains, detectable=detectable)
     return Hypotheses(groups, slopes, moves, gains, mixing, detectable)
+
+
+@dataclass(frozen=True, eq=False)
+class _Hypothesis:
+    """The hypothesis of a group: slopes, moves after L^-1 (g, n), and the factors of its separability S."""
+
+    slopes: Sequence[Vector]
+    moves: Sequence[Vector]
+    members: LdlFactors
+
+
+def _hypothesis(
+    group: Sequence[int], factors: LdlFactors, linear: Linearisation, floors: Sequence[float], ratio: float
+) -> _Hypothesis:
+    slopes, units = [], {}
+    for j in group:
+        slopes.append([dot_sparse(linear.directions[j], [row[i] for row in linear.rows]) for i in range(len(floors))])
+        forward = glsdc.substitute_forward(factors, slopes[-1], [ratio * sqrt(f) for f in floors])
+        units[j] = LdlNormalEquations(factors, forward)
+        label(str(j + 1), forward=forward)
+    moves = [_limit_moves(unit.step, floors) for unit in units.values()]
+    members = _separabilities(group, units, linear)
+    mixed = [_decorrelate([move[i] for move in moves], members.lower) for i in range(len(floors))]
+    return _Hypothesis(slopes, [[column[k] for column in mixed] for k in range(len(group))], members)
 
 
 def _limit_moves(move: Vector, floors: Sequence[float]) -> list[ca.SX]:
@@ -208,7 +226,7 @@ def _limit_moves(move: Vector, floors: Sequence[float]) -> list[ca.SX]:
     return [clip(x, Signal("x", "1", -2 / sqrt(f), 2 / sqrt(f))) for x, f in zip(move, floors, strict=True)]
 
 
-def _separabilities(group: Sequence[int], units: Sequence[LdlNormalEquations], linear: Linearisation) -> LdlFactors:
+def _separabilities(group: Sequence[int], units: Mapping[int, LdlNormalEquations], linear: Linearisation) -> LdlFactors:
     """Return the factors of S = W_G'W_G - W_G'H N^-1 H'W_G (g, g), each pivot DETECTABLE at least."""
     S = []
     for k, a in enumerate(group):
@@ -216,7 +234,7 @@ def _separabilities(group: Sequence[int], units: Sequence[LdlNormalEquations], l
         weighted = [z * d for z, d in products]
         label(str(a + 1), weighted=weighted)
         row = [
-            dot_sparse(linear.directions[a], _dense(linear.directions[b], len(units)))
+            dot_sparse(linear.directions[a], _dense(linear.directions[b], len(linear.directions)))
             - glsdc.dot(weighted, units[b].forward)
             for b in group[:k]
         ]
@@ -372,10 +390,12 @@ def solve(
     which the channels of a group act.
     """
     of_all, begin = replace(of, weights=None), linearise(of, [ca.SX(0)] * len(of.offsets))
-    factors = glsdc_solution.factorise(of.model, begin.rows, begin.rows)
-    whole = glsdc_solution.trial(of_all, [ca.SX(0)] * len(of.offsets), begin, factors)
-    separation = _separation(of.model, groups, *factors, whole, replace(begin, directions=axes))
-    removal, scores = _removal(groups, separation, excluded)
+    factors = call("factors", glsdc_solution.factorise, of.model, begin.rows, begin.rows)
+    whole = call("normal_equations", glsdc_solution.trial, of_all, [ca.SX(0)] * len(of.offsets), begin, factors)
+    about = replace(begin, directions=axes)
+    separation = call("separation", _separation, of.model, groups, *factors, whole, about)
+    columns, gains, scores = call("removal", _removal, groups, separation, excluded)
+    removal = Removal(columns, [ca.if_else(excluded < 1, 0, gain) for gain in gains])
     most = largest_projection(of.model)
     bound = Signal("projection", "1", -most, most)
 
@@ -411,8 +431,10 @@ def _without_group(of: Normal, removal: Removal, projections: Vector, dropped: c
     return Reduced(of.factors, of.forward, of.linear, of.pulls, of.in_range, removal, projections, dropped)
 
 
-def _removal(groups: Sequence[Sequence[int]], of: Separation, excluded: ca.SX) -> tuple[Removal, list[ca.SX]]:
-    """Return what is removed, and the scores u_j of the excluded group."""
+def _removal(
+    groups: Sequence[Sequence[int]], of: Separation, excluded: ca.SX
+) -> tuple[list[list[ca.SX]], list[ca.SX], list[ca.SX]]:
+    """Return x_j, gain_j and the scores u_j of the excluded group, those of the first one without one."""
 
     def member(values: Vector, j: int) -> ca.SX:
         return choose(excluded, [values[group[j]] if j < len(group) else ca.SX(0) for group in groups])
@@ -422,7 +444,7 @@ def _removal(groups: Sequence[Sequence[int]], of: Separation, excluded: ca.SX) -
     gains, scores = ([member(values, j) for j in sizes] for values in (of.faults.gains, of.full.scores))
     label(moves=moves)
     label("excluded", move=columns, gain=gains, score=scores)
-    return Removal(columns, [ca.if_else(excluded < 1, 0, gain) for gain in gains]), scores
+    return columns, gains, scores
 
 
 def choose(number: ca.SX, values: Vector) -> ca.SX:

@@ -40,7 +40,7 @@ from synth.blocks.estimate.glsdc import NamedExpressions, Vector
 from synth.blocks.estimate.glsdc_model import Implicit, Measurement, Phase, RotatedMeasurement, Unknown
 from synth.blocks.estimate.phasor import Phasor
 from synth.errors import SignalError
-from synth.law import label
+from synth.law import call, label
 from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
 
@@ -95,6 +95,16 @@ class Model:
     def is_diagonal(self) -> bool:
         """Whether the errors of the channels are independent."""
         return not np.tril(self.whitening, -1).any()
+
+    @property
+    def sensors(self) -> list[list[int]]:
+        """The channels by index, together those whose errors act on the same residuals."""
+        acting = self.function.sparsity_out(2)
+        groups: list[list[int]] = []
+        for j in range(len(self.channels)):
+            near = [g for g in groups if any(acting.has_nz(i, j) or acting.has_nz(j, i) for i in g)]
+            groups = [*(g for g in groups if g not in near), sorted([*(i for g in near for i in g), j])]
+        return sorted(groups)
 
     def whiten(self, residuals: Sequence[ca.SX]) -> list[ca.SX]:
         """Return W times residuals (m,), those of angles wrapped."""
@@ -327,7 +337,8 @@ def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named
     certified: dict[str, Certificate] = {}
     for p, a in zip(of.phases, phases, strict=True):
         limited = clip(a, Signal(p.name, "rad", -p.largest, p.largest))
-        one, certificates = phasor.by_certified_reduction(limited, phasor.halvings(p.largest), f"{p.name}_part", named)
+        halvings, name = phasor.halvings(p.largest), f"{p.name}_part"
+        one, certificates = call(f"phasor_{p.name}", phasor.by_certified_reduction, limited, halvings, name, named)
         phasors.append(one)
         certified |= certificates
         label(p.name, limited=limited)
@@ -360,7 +371,7 @@ class Linearisation:
 
 def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
     """Return the linearisation at a displacement (n,) from the prediction."""
-    values, turns, phasors = prediction.values, prediction.turns, prediction.phasors
+    values, turns, changes = prediction.values, prediction.turns, None
     if any(not d.is_zero() for d in at):
         values = [
             start + d if u.periodic else clip(start + d, u.signal)
@@ -373,22 +384,55 @@ def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
             for start, chord, (u, value, _) in zip(turns, chords, moved, strict=True)
         ]
         changes = _limited_phase_changes(of, prediction, values, turns, chords, at)
-        phasors = [
-            _rotate(start, clip(change, Signal(p.name, "rad", -p.change, p.change)))
-            for p, start, change in zip(of.phases, phasors, changes, strict=True)
-        ]
         for u, value, chord, turn in zip(of.turning, (m[1] for m in moved), chords, turns, strict=True):
             label(u.name, moved=value, chord=chord, turn=turn)
         for p, change in zip(of.phases, changes, strict=True):
             label(p.name, by=change)
+    sensors = [
+        call(f"sensor_{n}", _linearise_channels, of, channels, prediction, values, turns, changes)
+        for n, channels in enumerate(of.sensors, 1)
+    ]
+    by_channel = {i: (one, k) for one in sensors for k, i in enumerate(one.channels)}
+    each = [by_channel[i] for i in range(len(of.channels))]
+    return Linearisation(
+        of.whiten([one.residuals[k] for one, k in each]),
+        [one.rows[k] for one, k in each],
+        [one.directions[k] for one, k in each],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Channels:
+    """Some channels by index: residuals before whitening, rows and directions."""
+
+    channels: Sequence[int]
+    residuals: Vector
+    rows: Sequence[Vector]
+    directions: Sequence[Mapping[int, ca.SX]]
+
+
+def _linearise_channels(
+    of: Model,
+    channels: Sequence[int],
+    prediction: Prediction,
+    values: Vector,
+    turns: Sequence[Phasor],
+    changes: Vector | None,
+) -> _Channels:
+    """Return the linearisation of some channels, whose phases have moved by `changes` since the prediction."""
+    phasors = prediction.phasors
+    if changes is not None:
+        phasors = [
+            _rotate(start, clip(change, Signal(p.name, "rad", -p.change, p.change)))
+            for p, start, change in zip(of.phases, phasors, changes, strict=True)
+        ]
     for p, of_phase in zip(of.phases, phasors, strict=True):
         label(p.name, phasor=of_phase)
     pairs = [*_columns(turns), *_columns(phasors)]
     e, H, D = of.function(ca.vcat(list(values)), *pairs, prediction.constants, ca.vcat(list(prediction.measured)))
-    channels = range(len(of.channels))
     rows = [[H[i, j] for j in range(len(of.unknowns))] for i in channels]
     directions = [{i: D[i, j] for i in channels if D.sparsity().has_nz(i, j)} for j in channels]
-    return Linearisation(of.whiten([e[i] for i in channels]), rows, directions)
+    return _Channels(channels, [e[i] for i in channels], rows, directions)
 
 
 def _phases(of: Model, values: Vector, turns: Sequence[Phasor], constants: ca.SX) -> list[ca.SX]:

@@ -36,7 +36,7 @@ from synth.blocks.estimate.glsdc_jacobian import Linearisation, Model
 from synth.blocks.estimate.glsdc_search import SCREENED
 from synth.blocks.estimate.glsdc_solution import DYNAMIC_RANGE, Iteration, Problem
 from synth.errors import ModelError, SignalError
-from synth.law import label
+from synth.law import call, label
 from synth.signals import Signal
 
 LEVEL_RANGE = 100.0  # limits: a larger protection level is not resolved
@@ -234,11 +234,8 @@ def _judge_hypotheses(
     plausible = [ca.logic_or(now, before) for now, before in zip(passing, remembered, strict=True)]
     none, levels = x["excluded"] == 0, {}
     for i in _limit_indices(of):
-        separated = of.integrity.overbound * glsdc_integrity.separated_level(
-            faults, i, full, plausible, moved[i], of.thresholds.deviations * model.scale
-        )
-        detected = glsdc_integrity.detected_level(faults, i, of.thresholds, model.scale, sigmas[i])
-        levels[i] = ca.if_else(none, detected, separated)
+        unknown = model.unknowns[i].name
+        levels[i] = call(f"level_{unknown}", _protection_level, of, about, i, plausible, moved[i], sigmas[i], none)
     test = full_cost <= of.thresholds.test * variance
     limit = ca.if_else(none, of.thresholds.test, _excluded_threshold(of, x))
     passes = ca.logic_and(about.in_range, cost <= limit * variance)
@@ -268,6 +265,17 @@ def _judge_hypotheses(
         contested=contested, refuted=refuted, keeps=keeps, passing=passing,
     )  # fmt: skip
     return Judgement(ca.logic_and(passes, ca.logic_not(trial)), made.levels, made.within, next, doubted)
+
+
+def _protection_level(
+    of: Monitor, about: Separation, i: int, plausible: Vector, moved: ca.SX, sigma: ca.SX, none: ca.SX
+) -> ca.SX:
+    """Return the protection level of unknown i: that of the test, or of the separations unless `none` is excluded."""
+    separated = of.integrity.overbound * glsdc_integrity.separated_level(
+        about.faults, i, about.full, plausible, moved, of.thresholds.deviations * of.model.scale
+    )
+    detected = glsdc_integrity.detected_level(about.faults, i, of.thresholds, of.model.scale, sigma)
+    return ca.if_else(none, detected, separated)
 
 
 def _excluded_threshold(of: Monitor, x: Exprs) -> ca.SX | float:

@@ -34,7 +34,7 @@ from synth.blocks.estimate import glsdc, glsdc_jacobian
 from synth.blocks.estimate.glsdc import Descent, LdlFactors, LdlNormalEquations, Solution, Trial, Vector, dot, total
 from synth.blocks.estimate.glsdc_jacobian import Linearisation, Model, Prediction
 from synth.errors import ModelError
-from synth.law import label
+from synth.law import call, label
 from synth.signals import Signal
 from synth.statespace import Array
 
@@ -103,7 +103,7 @@ def solve(of: Problem, iteration: Iteration) -> Solution[Normal]:
         linearisation = glsdc_jacobian.linearise(of.model, of.prediction, at)
         if not i or not iteration.held_jacobian:
             held.append(linearisation)
-            factors.append(_factors(of, linearisation.rows))
+            factors.append(call("factors", _factors, of, linearisation.rows))
         return trial(of, at, replace(held[-1], residuals=linearisation.residuals), factors[-1])
 
     return iterate(of.model, iteration, evaluate)

@@ -41,7 +41,7 @@ from synth.blocks.guard import safety
 from synth.blocks.guard.safety import REFUSED
 from synth.errors import SignalError
 from synth.fault import Failure, enumeration
-from synth.law import label
+from synth.law import call, label
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
@@ -236,30 +236,22 @@ def _vote(
     def by_case(agreeing: ca.SX, contradictory: ca.SX, incomplete: ca.SX) -> ca.SX:
         return ca.if_else(whole, ca.if_else(agrees, agreeing, contradictory), incomplete)
 
-    direction = {n: ca.if_else(r > 0, w, -w) for n, w in weights.items()}
-    E = {n: direction[n] * (y[n] - expected[n]) for n in names}
-    score, best, clear = redundancy_decision.isolate(names, E, stands, ca.fabs(r), undecided)
-    least = ca.if_else(clear, best, 2 * redundancy_decision.PREFERENCE)
-    isolated = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
+    decided = ca.logic_not(undecided)
+    of = call(f"isolation_{i}", _isolate, weights, signals, y, expected, r, ca.fabs(r), stands, decided)
+    E, score, isolated = of.E, of.score, of.isolated
     final = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0)
     left_out_now = {n: isolated[n] * final for n in names}
     stuck_now = sum((ca.if_else(stands[n] >= FRESH, left_out_now[n], 0.0) for n in names), start=ca.SX(0))
-    moves = {n: ca.logic_and(ca.logic_not(same[n]), ca.logic_not(u[f"fault_{n}"])) for n in names}
-    readmitted = {n: ca.logic_and(stuck, ca.logic_and(excluded[n], moves[n])) for n in names}
+    faults = {n: u[f"fault_{n}"] for n in names}
+    readmitted, doubted = call(f"readmission_{i}", _readmit, names, same, faults, stuck, excluded, undecided)
     missing = sum((ca.if_else(usable[n], 0, 1) for n in names), start=ca.SX(0))
     waited = ca.if_else(count >= decision.undecided - 1, 1, undecided)
-    wrong_choice = ca.SX(0)
-    for n in names:
-        wrong_choice = ca.logic_or(wrong_choice, readmitted[n])
-    doubted = ca.if_else(wrong_choice, 1, undecided)
     left_out = {n: ca.logic_and(excluded[n], ca.logic_not(readmitted[n])) for n in names}
     value, suspects = {}, {}
-    for n, w in weights.items():
-        predicted = ca.if_else(missing <= 1, y[n] - r / w, expected[n])
-        corrected, replaced = y[n] - isolated[n] * r / w, ca.if_else(usable[n], y[n], predicted)
-        value[n] = by_case(y[n], clip(corrected, signals[n]), clip(replaced, signals[n]))
+    replaced = call(f"replacement_{i}", _replace, weights, signals, y, expected, usable, r, missing)
+    for n in names:
+        value[n] = by_case(y[n], of.corrected[n], replaced[n])
         suspects[n] = ca.if_else(by_case(undecided, isolated[n] + waited, excluded[n] + doubted) > 0, 1, 0)
-        label(n, predicted=predicted)
     next = {
         f"contradictions_{i}": by_case(
             ca.SX(0), redundancy_decision.count(ca.SX(1), count, decision.undecided), ca.SX(0)
@@ -268,17 +260,76 @@ def _vote(
         f"undecided_{i}": by_case(undecided, waited, doubted),
         **{f"excluded_{n}": by_case(excluded[n], left_out_now[n], left_out[n]) for n in names},
     }
-    decided, enough = ca.logic_not(undecided), missing <= 1
+    enough = missing <= 1
     regular = by_case(decided, ca.logic_not(waited), ca.logic_and(enough, ca.logic_not(doubted)))
     sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
     shown = redundancy_decision.signals(i, signals[names[0]].unit, r, E, score)
     label(
-        direction=direction, E=E, score=score, best=best, final=final, agrees=agrees, agreement=agreement, whole=whole,
-        waited=waited, doubted=doubted, decided=decided, enough=enough, missing=missing, least=least,
-        isolated=isolated, left_out_now=left_out_now, stuck_now=stuck_now,
-        readmitted=readmitted,
+        E=E, score=score, final=final, agrees=agrees, agreement=agreement, whole=whole, waited=waited, doubted=doubted,
+        decided=decided, enough=enough, missing=missing, isolated=isolated, left_out_now=left_out_now,
+        stuck_now=stuck_now, readmitted=readmitted,
     )  # fmt: skip
     return _Vote(value, suspects, next, regular, sufficient, agreement, shown)
+
+
+@dataclass(frozen=True, eq=False)
+class _Isolation:
+    """By reading: innovation in the direction of r, score, 1 where it is the wrong one, and what it then should be."""
+
+    E: Exprs
+    score: Exprs
+    isolated: Exprs
+    corrected: Exprs
+
+
+def _isolate(
+    weights: Mapping[str, float],
+    signals: Mapping[str, Signal],
+    y: Exprs,
+    expected: Exprs,
+    r: ca.SX,
+    size: ca.SX,
+    stands: Exprs,
+    decided: ca.SX,
+) -> _Isolation:
+    direction = {n: ca.if_else(r > 0, w, -w) for n, w in weights.items()}
+    E = {n: direction[n] * (y[n] - expected[n]) for n in weights}
+    score, best, clear = redundancy_decision.isolate([*weights], E, stands, size, decided)
+    least = ca.if_else(clear, best, 2 * redundancy_decision.PREFERENCE)
+    isolated = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in weights}
+    corrected = {n: clip(y[n] - isolated[n] * r / w, signals[n]) for n, w in weights.items()}
+    label(direction=direction, best=best, least=least)
+    return _Isolation(E, score, isolated, corrected)
+
+
+def _readmit(
+    names: Sequence[str], same: Exprs, faults: Exprs, stuck: ca.SX, excluded: Exprs, undecided: ca.SX
+) -> tuple[dict[str, ca.SX], ca.SX]:
+    """Return which excluded readings move again, and whether the group is in doubt since one of them does."""
+    moves = {n: ca.logic_and(ca.logic_not(same[n]), ca.logic_not(faults[n])) for n in names}
+    readmitted = {n: ca.logic_and(stuck, ca.logic_and(excluded[n], moves[n])) for n in names}
+    wrong_choice = ca.SX(0)
+    for n in names:
+        wrong_choice = ca.logic_or(wrong_choice, readmitted[n])
+    return readmitted, ca.if_else(wrong_choice, 1, undecided)
+
+
+def _replace(
+    weights: Mapping[str, float],
+    signals: Mapping[str, Signal],
+    y: Exprs,
+    expected: Exprs,
+    usable: Exprs,
+    r: ca.SX,
+    missing: ca.SX,
+) -> dict[str, ca.SX]:
+    """Return the readings of a group, for one that is not usable what the others or the motion predict."""
+    value = {}
+    for n, w in weights.items():
+        predicted = ca.if_else(missing <= 1, y[n] - r / w, expected[n])
+        value[n] = clip(ca.if_else(usable[n], y[n], predicted), signals[n])
+        label(n, predicted=predicted)
+    return value
 
 
 def _singles(names: Sequence[str], relations: Sequence[Relation], decision: Decision) -> list[str]:

@@ -39,11 +39,11 @@ PREFERENCE = 10.0  # added to E by rules 1 and 2; larger than any reading
 
 
 def isolate(
-    names: Sequence[str], E: Exprs, still: Exprs, size: ca.SX, undecided: ca.SX
+    names: Sequence[str], E: Exprs, still: Exprs, size: ca.SX, decided: ca.SX
 ) -> tuple[dict[str, ca.SX], ca.SX, ca.SX]:
     """Return the score of each sensor, the largest, and whether that sensor explains a contradiction clearly.
 
-    `E` and `still` (samples without a change) are by sensor, `size` is |r|. A group that is `undecided` has wrong
+    `E` and `still` (samples without a change) are by sensor, `size` is |r|. A group that is not `decided` has wrong
     predictions, so rule 3 does not hold for it. The rules are weights, not decisions: at most one sensor is chosen, and
     a chain of decisions about it would have outcomes that no input reaches.
     """
@@ -72,7 +72,7 @@ def isolate(
         by_first_rule=by_first_rule, by_second_rule=by_second_rule, standing=standing, by_code=by_code, repeats=repeats,
         candidate=candidate, preferred=preferred,
     )  # fmt: skip
-    return score, best, ca.logic_and(distinct, ca.logic_or(by_code, ca.logic_not(undecided)))
+    return score, best, ca.logic_and(distinct, ca.logic_or(by_code, decided))
 
 
 def signals(i: int, unit: str, r: ca.SX, E: Exprs, score: Exprs) -> list[tuple[Signal, ca.SX]]:

@@ -26,6 +26,7 @@ from synth.emit.c.expressions import constant, literal, mask
 from synth.emit.c.header import init_head, step_head
 from synth.emit.c.lines import Line, comment, opening, prose
 from synth.emit.c.printer import Body
+from synth.emit.c.routine import calls_by_routine
 from synth.emit.passes.guards import guard_function
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program.layout import Layout
@@ -98,7 +99,7 @@ def casadi_source(block: Block, layout: Layout) -> str:
 
 def source(block: Block, program: Program, surrogates: Sequence[Surrogate], layout: Layout, body: Body) -> list[Line]:
     """Return the lines of <name>.c around the `body` of its step."""
-    programs = (program, *(c.routine.program for c in program.calls.values()))
+    programs = (program, *(calls[0].routine.program for calls in calls_by_routine(program).values()))
     used = {n.op for q in programs for n in q.nodes}
     parts = [f"/* {block.name}. Generated: do not edit. */"]
     printed = [*body.lines, *(line for side in body.sides for line in side.lines)]
@@ -200,7 +201,7 @@ def _inline(block: Block, program: Program) -> list[str]:
     inline, large = routines.inline(block), routines.large(block)
     rows = ["#if defined(__GNUC__)", f"#define {inline} static inline __attribute__((always_inline))"]
     rows += ["#else", f"#define {inline} static inline", "#endif"]
-    if any(call.routine.is_large for call in program.calls.values()):
+    if any(calls[0].routine.is_large for calls in calls_by_routine(program).values()):
         rows += ["#if defined(__OPTIMIZE_SIZE__)", f"#define {large} static inline"]
         rows += ["#else", f"#define {large} {inline}", "#endif"]
     return rows

@@ -17,6 +17,7 @@ from synth.emit.c import diagnostics
 from synth.emit.c.expressions import ACCEPTED, GUARDS, HELPERS, RESERVED
 from synth.emit.c.locals import Names
 from synth.emit.c.naming import Naming
+from synth.emit.passes import law_functions
 from synth.emit.passes.parts import BOTH, THEN, Form, Part, latch
 from synth.emit.program import words
 from synth.emit.program.lower import Node, Program
@@ -81,16 +82,41 @@ class Call:
     numbers: tuple[Node, ...]
     result_names: tuple[str, ...]
     states: Mapping[str, str]
+    caller: str = ""
 
     @property
     def parameters(self) -> str:
-        """The name of the struct of its numbers."""
-        return f"{self.block}_{self.routine.name}"
+        """The name of the struct of its numbers, of which the functions that call it have one each."""
+        return f"{self.caller}_{self.block}" if self.caller else f"{self.block}_{self.routine.name}"
 
 
-def routine(p: Program, group: Group, taken: Names, constants: Mapping[str, float]) -> Routine:
-    """Return the function that the Parts of a group have in common."""
-    return _Builder(p, group, constants).routine(taken)
+class Functions(NamedTuple):
+    """The names of functions, and those that are made by what they compute: several callers have one in common."""
+
+    taken: Names
+    by_form: dict[object, Routine]
+
+
+def routine(
+    p: Program,
+    group: Group,
+    functions: Functions,
+    constants: Mapping[str, float],
+    caller: str = "",
+    of_step: Mapping[str, str] | None = None,
+) -> Routine:
+    """Return the function that the Parts of a group have in common, with those that it calls."""
+    return _Builder(p, group, constants).routine(functions, caller, of_step or {})
+
+
+def calls_by_routine(p: Program) -> dict[str, list[Call]]:
+    """Return by Routine the calls in a program and in the Routines that it calls, each before the one that calls it."""
+    made: dict[str, list[Call]] = {}
+    for call in p.calls.values():
+        if call.routine.name not in made:
+            made |= calls_by_routine(call.routine.program)
+        made.setdefault(call.routine.name, []).append(call)
+    return made
 
 
 def different(p: Program, group: Group, constants: Mapping[str, float]) -> list[int]:
@@ -126,6 +152,7 @@ class _Builder:
 
     def __init__(self, p: Program, group: Group, constants: Mapping[str, float]) -> None:
         self.p, self.group, self.kind, self.naming = p, group, kinds(p), Naming(p, {}, {})
+        self.values = constants
         self.part, self.form = group[0]
         self.part_name = words.common([part.block for part, _ in group]) or self.part.block
         self.names = Names({*RESERVED})
@@ -141,7 +168,7 @@ class _Builder:
         self.index: dict[int, int] = {}
         self.constants: dict[str, str] = {}
 
-    def routine(self, taken: Names) -> Routine:
+    def routine(self, functions: Functions, caller: str, of_step: Mapping[str, str]) -> Routine:
         part = self.part
         places = [self._place(k) for k in self.form.results]
         next = {part.local[state]: self._place(k) for state, k in part.next.items()}
@@ -159,8 +186,14 @@ class _Builder:
             made = replace(made, recorded=recorded, limited=self.p.limited if limits else ())
         states = dict.fromkeys((*next, *(n.name for n in self.nodes if n.op == "state")))
         parameters, arguments = tuple(self.parameters.values()), tuple(self.arguments.values())
-        free = taken.free(f"{self.part_name}_{part.phase}" if part.phase else self.part_name)
-        return Routine(free, made, arguments, parameters, tuple(results), tuple(states), self.constants)
+        free = functions.taken.free("_".join(filter(None, [caller, self.part_name, part.phase])))
+        values = {local: self.values[name] for local, name in self.constants.items()}
+        constants = {local: of_step.get(name, name) for local, name in self.constants.items()}
+        made = _with_calls(made, values, law_functions.alike(made), functions, caller or free, constants, not caller)
+        made = replace(made, calls={key: replace(call, caller=free) for key, call in made.calls.items()})
+        read = {n.name for n in (*made.nodes, *(n for c in made.calls.values() for n in c.numbers))}
+        constants = {local: name for local, name in constants.items() if local in read}
+        return Routine(free, made, arguments, parameters, tuple(results), tuple(states), constants)
 
     def _program(self, next: dict[str, int]) -> Program:
         part, p = self.part, self.p
@@ -180,6 +213,11 @@ class _Builder:
             by_value=len(self.parameters) <= BY_VALUE and self._reads_parameters(),
             typed={a.name: a.kind for a in self.arguments.values()},
             labels={self.index[k]: name for k, name in p.labels.items() if k in part.region and k in self.index},
+            functions={
+                path.partition(".")[2]: f.renumbered({k: i for k, i in self.index.items() if k in part.region})
+                for path, f in p.functions.items()
+                if path.startswith(f"{part.block}.")
+            },
         )
 
     def _reads_parameters(self) -> bool:
@@ -258,16 +296,33 @@ def outlined(p: Program, constants: Mapping[str, float], groups: Sequence[Group]
     """Return the program with a call for each Part of some groups; `constants` are the values by name."""
     recorded, limited = diagnostics.signals(p)
     p = replace(p, recorded=recorded, limited=limited)
-    taken = Names(set(TAKEN))
-    calls: dict[str, Call] = {}
-    parts: dict[str, tuple[Part, Form]] = {}
-    for group in groups:
-        calls |= _calls(p, group, taken, constants)
-        parts |= {part.key: (part, form) for part, form in group}
-    made = _with_structs(_Rewriter(p, parts, calls).program())
+    made = _with_calls(p, constants, groups, Functions(Names(set(TAKEN)), {}))
+    calls = made.calls
     reached = {call.block for call in calls.values() if call.states}
     blocks = {state: block for state in p.next if (block := p.owner(state)) in reached}
     return replace(made, paths={s: f"{block}.{s.removeprefix(f'{block}_')}" for s, block in blocks.items()})
+
+
+def _with_calls(
+    p: Program,
+    constants: Mapping[str, float],
+    groups: Sequence[Group],
+    functions: Functions,
+    caller: str = "",
+    names: Mapping[str, str] | None = None,
+    structs: bool = True,
+) -> Program:
+    """Return a program with a call for each Part; `names` are those that the step has for the constants of a caller.
+
+    Without `structs` they are passed values: functions that differ share those that they call.
+    """
+    calls: dict[str, Call] = {}
+    of_call: dict[str, tuple[Part, Form]] = {}
+    for group in groups:
+        calls |= _calls(p, group, functions, constants, caller, names or {})
+        of_call |= {part.key: (part, form) for part, form in group}
+    made = _Rewriter(p, of_call, calls).program() if calls else p
+    return _with_structs(made) if structs else made
 
 
 def _with_structs(p: Program) -> Program:
@@ -305,12 +360,26 @@ def _member(p: Program, k: int) -> tuple[str, str, str, str]:
     return (key, p.calls[key].routine.name, member, kind) if kind else ("", "", "", "")
 
 
-def _calls(p: Program, group: Group, taken: Names, constants: Mapping[str, float]) -> dict[str, Call]:
+def _calls(
+    p: Program,
+    group: Group,
+    functions: Functions,
+    constants: Mapping[str, float],
+    caller: str,
+    of_step: Mapping[str, str],
+) -> dict[str, Call]:
     """Return by Part the call of the function that a group has in common."""
-    shared = routine(p, group, taken, constants)
     calls, places = {}, different(p, group, constants)
+    made = group[0][1]
+    values = [(n.op, n.value, of_step.get(n.name, n.name)) for n in (p.nodes[k] for k in made.numbers)]
+    key = made.shape[: len(made.nodes)], *places, *_negatives(p, group).items(), *values
+    shared = functions.by_form.get(key) if caller else None  # functions of several callers are one
+    shared = shared or routine(p, group, functions, constants, caller, of_step)
+    functions.by_form[key] = shared
     for part, form in group:
         numbers = tuple(p.nodes[form.numbers[place]] for place in places)
+        if not shared.by_value:  # the struct of them is not in the caller
+            numbers = tuple(replace(n, name=of_step.get(n.name, n.name)) for n in numbers)
         states = {local: state for state, local in part.local.items() if local in shared.states}
         names = tuple(name(p, k) or f"{part.key}_{r.name}" for k, r in zip(form.results, shared.results, strict=True))
         calls[part.key] = Call(shared, part.block, numbers, names, states)
@@ -320,9 +389,9 @@ def _calls(p: Program, group: Group, taken: Names, constants: Mapping[str, float
 class _Rewriter:
     """Builds the program with calls, each node and call after its operands."""
 
-    def __init__(self, p: Program, parts: Mapping[str, tuple[Part, Form]], calls: Mapping[str, Call]) -> None:
-        self.p, self.parts, self.calls = p, parts, calls
-        self.within = {k: key for key, (part, _) in parts.items() for k in part.region}
+    def __init__(self, p: Program, of_call: Mapping[str, tuple[Part, Form]], calls: Mapping[str, Call]) -> None:
+        self.p, self.parts, self.calls = p, of_call, calls
+        self.within = {k: key for key, (part, _) in of_call.items() for k in part.region}
         self.nodes: list[Node] = []
         self.index: dict[int, int] = {}
         self.called: dict[str, int] = {}
@@ -344,6 +413,7 @@ class _Rewriter:
         )
         labels = {self.index[k]: name for k, name in p.labels.items() if k in self.index}
         typed = {f"{key}.{r.name}": r.kind for key, call in self.calls.items() for r in call.routine.results}
+        returns = {name: self.place(k) for name, k in p.returns.items()}
         p = replace(
             p,
             nodes=tuple(self.nodes),
@@ -352,8 +422,10 @@ class _Rewriter:
             next=next,
             word=word,
             calls=self.calls,
-            typed=typed,
+            typed={**p.typed, **typed},
             labels=labels,
+            returns=returns,
+            functions={},
         )
         return p.with_nodes(p.nodes, range(len(p.nodes)))
 

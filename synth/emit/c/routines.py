@@ -76,9 +76,9 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
     """Return the types, the parameters and the functions of all routines."""
     lines: list[Line] = []
     explained: set[str] = set()
-    for routine in {c.routine.name: c.routine for c in p.calls.values()}.values():
-        used = [c for c in p.calls.values() if c.routine.name == routine.name]
-        constants = {c.name: c for c in block.constants}
+    for used in calls.calls_by_routine(p).values():
+        routine = used[0].routine
+        constants, start = {c.name: c for c in block.constants}, len(lines)
         if routine.parameters and not routine.by_value:
             lines += map(Line, _parameters(block, routine, used, constants, layout))
         if len(routine.results) > 1:
@@ -87,10 +87,11 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
         titles = [p.titles.get(c.block, c.block) for c in used]
         tags = dict.fromkeys(about for t in titles if (about := t.partition(": ")[2]))
         said = ": ".join(filter(None, [", ".join(c.block for c in used), "; ".join(tags)]))
-        about = wrap(prose(said), WIDTH - 2)
+        text = wrap(prose(said), WIDTH - 2)
         first = used[0].block if used[0].block not in explained else ""
         explained |= {c.block for c in used}
-        lines += [Line(row) for row in opening(about, p.notes.get(first, ()))]
+        lines += map(Line, opening(text, p.notes.get(first, ())))
+        lines[start:start] = map(Line, parameters(block, routine.program, layout))
         lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
         lines += map(Line, _common_constants(routine, constants, layout))
         lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]

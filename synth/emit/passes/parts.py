@@ -21,7 +21,7 @@ from synth.blocks.guard import safety
 from synth.emit.program.lower import Node, Program
 from synth.emit.proof.ranges import kinds
 
-LEAVES = ("input", "state", "constant", "literal", "accepted")
+LEAVES = ("input", "state", "constant", "literal", "accepted", "argument", "parameter")
 OF_STEP = ("guard", "guarded", "bit")  # operations that stay in the step
 FEWEST = 4  # operations of a function that is worth its name
 IDLE = 1.0  # value of a choice that a Block makes for its result
@@ -77,12 +77,16 @@ class Part:
 
 @dataclass(frozen=True)
 class Form:
-    """A Part in canonical form: `shape` is equal for equal parts; the lists hold what may differ, in one order."""
+    """A Part in canonical form: `shape` is equal for equal parts; the lists hold what may differ, in one order.
+
+    `nodes` are all that it computes and reads.
+    """
 
     shape: tuple[object, ...]
     arguments: tuple[int, ...]
     numbers: tuple[int, ...]
     results: tuple[int, ...]
+    nodes: tuple[int, ...]
 
 
 def latch(p: Program) -> int:
@@ -105,7 +109,7 @@ def with_idle_results(p: Program) -> Program:
     for k in results_of:
         for condition, holds in contexts[k] or ():
             is_its_own = units[condition] == units[k] and k not in reached.setdefault(
-                condition, _ancestors(p, {condition}, range(len(p.nodes)))
+                condition, ancestors(p, {condition}, range(len(p.nodes)))
             )
             if is_its_own or p.nodes[condition].op == "state":
                 skipping[units[k], condition, holds].add(k)
@@ -333,7 +337,7 @@ def _order(p: Program, units: Sequence[tuple[str, int]]) -> _Order:
                 needed = exported
             known = done | ready[unit]
             decided = {k for k in exported[unit] if all(c in known for c, _ in contexts[k] or ())}
-            now = _ancestors(p, needed[unit] | decided, ready[unit])
+            now = ancestors(p, needed[unit] | decided, ready[unit])
             ready[unit] = now | {k for k in ready[unit] if p.nodes[k].op == "row" and p.nodes[k].args[0] in now}
         if unit is not None:
             now = ready.pop(unit)
@@ -361,7 +365,7 @@ def _leading(users: Sequence[Sequence[int]], sources: set[int], unit: set[int], 
     return leads
 
 
-def _ancestors(p: Program, roots: set[int], region: Collection[int]) -> set[int]:
+def ancestors(p: Program, roots: set[int], region: Collection[int]) -> set[int]:
     seen, stack = set(), list(roots)
     while stack:
         k = stack.pop()
@@ -440,10 +444,11 @@ def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
         return places[k]
 
     roots = [k for k in part.roots if k in part.region]
-    ends = [visit(k) for k in (*roots, *(k for k in part.results if k not in roots))]
+    ends = [*map(visit, roots)]
+    ends += [visit(k) for k in part.results if k not in places]
     stores = [(part.local[state], visit(k)) for state, k in part.next.items()]
     results = tuple(k for k in places if k in part.results)
-    return Form((*shape, *ends, *stores), tuple(arguments), tuple(numbers), results)
+    return Form((*shape, *ends, *stores), tuple(arguments), tuple(numbers), results, tuple(places))
 
 
 def alike(p: Program) -> list[list[tuple[Part, Form]]]:

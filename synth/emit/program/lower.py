@@ -18,7 +18,7 @@ NumPy evaluation of programs: the value of each node for arrays of loads, in dou
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
-from itertools import groupby
+from itertools import groupby, islice
 from math import log, remainder
 from typing import Any
 
@@ -65,6 +65,22 @@ class Matrix:
 
 
 @dataclass(frozen=True)
+class Function:
+    """The nodes of the arguments and of the results of a function that a law calls."""
+
+    arguments: tuple[int, ...]
+    results: tuple[int, ...]
+
+    def renumbered(self, index: Sequence[int] | Mapping[int, int]) -> "Function":
+        """Return the function with the nodes index[k], without those that a mapping does not have."""
+        arguments, results = (
+            tuple(dict.fromkeys(index[k] for k in nodes if not isinstance(index, Mapping) or k in index))
+            for nodes in (self.arguments, self.results)
+        )
+        return Function(arguments, results)
+
+
+@dataclass(frozen=True)
 class Program:
     """Nodes in the order of computation, and the node of each named signal, output, next state and the fault word.
 
@@ -73,8 +89,8 @@ class Program:
     numbers, and `matrices` that of a "product" node, of which a "row" is an element. `products` maps the name of a
     constant that folding introduced to the two constants that it multiplies. `titles` maps each Block of the
     composition to its description and the number of its equation, `notes` to sentences about it. `labels` are names of
-    nodes that the laws give, for the locals of the C. `recorded` and `limited` are the signals of which diagnostics
-    have the value, or that they are at a limit.
+    nodes that the laws give, for the locals of the C, `functions` by their paths those for which the C has one.
+    `recorded` and `limited` are the signals of which diagnostics have the value, or that they are at a limit.
     """
 
     nodes: tuple[Node, ...]
@@ -95,6 +111,7 @@ class Program:
     members: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     by_value: bool = False
     labels: Mapping[int, str] = field(default_factory=dict)
+    functions: Mapping[str, "Function"] = field(default_factory=dict)
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     recorded: tuple[Signal, ...] = ()
     limited: tuple[Signal, ...] = ()
@@ -107,9 +124,14 @@ class Program:
         marks = tuple((named, index[k]) for named, k in self.marks)
         word = None if self.word is None else index[self.word]
         labels = {**(further_labels or {}), **{index[k]: name for k, name in self.labels.items()}}
+        returns = {name: index[k] for name, k in self.returns.items()}
+        functions = {path: f.renumbered(index) for path, f in self.functions.items()}
         return _without_dead_nodes(
-            replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels)
-        )
+            replace(
+                self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels, returns=returns,
+                functions=functions,
+            )
+        )  # fmt: skip
 
     def substituted(self, equal: Mapping[int, int]) -> "Program":
         """Return the program in which `equal` maps nodes to the earlier nodes that replace them."""
@@ -167,22 +189,13 @@ def program(block: Block) -> Program:
     notes = {name: tuple(text for n, text in block.notes if n == name) for name, _ in block.notes}
     return _without_dead_nodes(
         Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables, labels=labels,
-                notes=notes)
+                notes=notes, functions=_functions(block, loads, nodes))
     )  # fmt: skip
 
 
 def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node]) -> dict[int, str]:
     """Return by node the name of the value of a law that it computes, or ``minus_<name>`` for its negative."""
-    if not block.labels:
-        return {}
-    shared = ca.cse([e for _, e in block.labels])  # it rewrites some operations, as in the program
-    f = ca.Function("values", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
-    values, results = walk(f, loads, {})
-    known = {node: k for k, node in reversed([*enumerate(nodes)])}
-    index: list[int | None] = []
-    for node in values:
-        args = [index[a] for a in node.args]
-        index.append(None if None in args else known.get(replace(node, args=tuple(a for a in args if a is not None))))
+    values, results, index = _locate(block, loads, nodes, [e for _, e in block.labels])
     names: dict[int, dict[str, None]] = {}
     negatives: dict[int, str] = {}
     for value, (name, _) in zip(results, block.labels, strict=True):
@@ -191,6 +204,35 @@ def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node
         elif values[value].op == "neg" and (k := index[values[value].args[0]]) is not None:
             negatives |= {} if nodes[k].op == "mul" else {k: f"minus_{name}"}  # a product has the names of its factors
     return negatives | {k: words.combine([*several]) for k, several in names.items()}
+
+
+def _functions(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node]) -> dict[str, Function]:
+    """Return the functions of the laws by their paths."""
+    exprs = [e for f in block.functions for e in (*f.arguments, *f.results)]
+    _, results, index = _locate(block, loads, nodes, exprs)
+    places = iter([index[value] for value in results])
+    made: dict[str, Function] = {}
+    for f in block.functions:
+        each = [[k for k in islice(places, len(exprs)) if k is not None] for exprs in (f.arguments, f.results)]
+        made[f.path] = Function(*(tuple(dict.fromkeys(k for k in ks if nodes[k].args)) for ks in each))
+    return made
+
+
+def _locate(
+    block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node], exprs: Sequence[ca.SX]
+) -> tuple[list[Node], list[int], list[int | None]]:
+    """Return nodes of their own for expressions, those of the results, and for each one the node of the program."""
+    if not exprs:
+        return [], [], []
+    shared = ca.cse([*exprs])  # it rewrites some operations, as in the program
+    f = ca.Function("values", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
+    values, results = walk(f, loads, {})
+    known = {node: k for k, node in reversed([*enumerate(nodes)])}
+    index: list[int | None] = []
+    for node in values:
+        args = [index[a] for a in node.args]
+        index.append(None if None in args else known.get(replace(node, args=tuple(a for a in args if a is not None))))
+    return values, results, index
 
 
 def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, Fault]]) -> int | None:
@@ -388,7 +430,12 @@ def _without_dead_nodes(p: Program) -> Program:
     marks = tuple((named, index[k]) for named, k in p.marks if k in index)
     word = None if p.word is None else index[p.word]
     labels = {index[k]: name for k, name in p.labels.items() if k in index}
-    return replace(p, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels)
+    returns = {name: index[k] for name, k in p.returns.items()}
+    functions = {path: f.renumbered(index) for path, f in p.functions.items()}
+    return replace(
+        p, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels, returns=returns,
+        functions=functions,
+    )  # fmt: skip
 
 
 Array = NDArray[Any]
