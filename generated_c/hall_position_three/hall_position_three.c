@@ -1918,7 +1918,7 @@ HALL_POSITION_THREE_INLINE hall_position_three_metres_t hall_position_three_metr
 HALL_POSITION_THREE_INLINE hall_position_three_input_t hall_position_three_guard_inputs(hall_position_three_state_t
     *state, const hall_position_three_input_t *in, uint32_t *faults)
 {
-    hall_position_three_input_t accepted = *in;
+    hall_position_three_input_t accepted;
     accepted.V_ax = hall_position_three_hold_within(in->V_ax, 5.0f, &state->guard.last_V_ax, 0x00000001u, faults);
     accepted.V_ay = hall_position_three_hold_within(in->V_ay, 5.0f, &state->guard.last_V_ay, 0x00000002u, faults);
     accepted.V_bx = hall_position_three_hold_within(in->V_bx, 5.0f, &state->guard.last_V_bx, 0x00000004u, faults);

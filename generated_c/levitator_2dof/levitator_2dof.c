@@ -292,7 +292,7 @@ LEVITATOR_2DOF_INLINE void levitator_2dof_servo_x_update(levitator_2dof_servo_x_
 LEVITATOR_2DOF_INLINE levitator_2dof_input_t levitator_2dof_guard_inputs(levitator_2dof_state_t *state,
     const levitator_2dof_input_t *in, uint32_t *faults)
 {
-    levitator_2dof_input_t accepted = *in;
+    levitator_2dof_input_t accepted;
     accepted.z = levitator_2dof_hold_within(in->z, 0.0007f, &state->guard.last_z, 0x00000001u, faults);
     accepted.x = levitator_2dof_hold_within(in->x, 0.0011f, &state->guard.last_x, 0x00000002u, faults);
     accepted.z_ref = levitator_2dof_hold_within(in->z_ref, 0.0005f, &state->guard.last_z_ref, 0x00000004u, faults);

@@ -1559,7 +1559,8 @@ MAGLEV_5DOF_INLINE maglev_5dof_accelerations_t maglev_5dof_accelerations(const m
 MAGLEV_5DOF_INLINE maglev_5dof_input_t maglev_5dof_guard_inputs(maglev_5dof_state_t *state,
     const maglev_5dof_input_t *in, uint32_t *faults)
 {
-    maglev_5dof_input_t accepted = *in;
+    maglev_5dof_input_t accepted;
+    accepted.missed_calls = in->missed_calls;
     accepted.y1 = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard.last_y1, 0x00000001u, faults);
     accepted.y2 = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard.last_y2, 0x00000002u, faults);
     accepted.y3 = maglev_5dof_hold(in->y3, 0.0168f, 0.0322f, &state->guard.last_y3, 0x00000004u, faults);
@@ -1575,13 +1576,6 @@ MAGLEV_5DOF_INLINE maglev_5dof_input_t maglev_5dof_guard_inputs(maglev_5dof_stat
         faults);
     return accepted;
 }
-
-static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
-    .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
-static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
-    .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
-static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
-    .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
 
 /* what the step does once it is latched */
 MAGLEV_5DOF_INLINE uint32_t maglev_5dof_latched(maglev_5dof_state_t *state, bool landed, float y,
@@ -1629,6 +1623,12 @@ MAGLEV_5DOF_INLINE uint32_t maglev_5dof_law(maglev_5dof_state_t *state, const ma
     uint32_t faults_before_2, maglev_5dof_output_t *out, maglev_5dof_diagnostics_t *diagnostics)
 {
     static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
+    static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {.k_e = -1699.6849f,
+        .k_de_times_filter_h = -48291.37f, .k_sum = -2.251582f, .k_p1 = 122.7319f, .k_q1 = -5.5538764f};
+    static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {.k_e = -2049.9666f,
+        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
+    static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {.k_e = -2049.9666f,
+        .k_de_times_filter_h = -55490.594f, .k_sum = -2.8480508f, .k_p1 = 86.03567f, .k_q1 = -7.0522647f};
 
     uint32_t fault_word;
 

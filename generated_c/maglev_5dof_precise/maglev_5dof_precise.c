@@ -1735,7 +1735,8 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_safe_output_latched_t maglev_5dof
 MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_input_t maglev_5dof_precise_guard_inputs(maglev_5dof_precise_state_t
     *state, const maglev_5dof_precise_input_t *in, uint32_t *faults)
 {
-    maglev_5dof_precise_input_t accepted = *in;
+    maglev_5dof_precise_input_t accepted;
+    accepted.missed_calls = in->missed_calls;
     accepted.y1 = maglev_5dof_precise_hold(in->y1, 0.0168f, 0.0322f, &state->guard.last_y1, 0x00000001u, faults);
     accepted.y2 = maglev_5dof_precise_hold(in->y2, 0.0124f, 0.0366f, &state->guard.last_y2, 0x00000002u, faults);
     accepted.y3 = maglev_5dof_precise_hold(in->y3, 0.0168f, 0.0322f, &state->guard.last_y3, 0x00000004u, faults);
@@ -1754,35 +1755,6 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_input_t maglev_5dof_precise_guard
         0x00000400u, faults);
     return accepted;
 }
-
-static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
-    .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
-    .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
-    .low = -0.0003f, .largest_error = 0.0003f};
-static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
-    .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
-    .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f, .low = -0.001f,
-    .largest_error = 0.001f};
-static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
-    .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
-    .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f, .low = -0.001f,
-    .largest_error = 0.001f};
-static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
-    .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
-    .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
-    .low = -0.0003f, .largest_error = 0.0003f};
-static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {.alpha = 0.6988058f,
-    .beta = 272.3178f, .gamma = 35832.543f, .low = -20.0f, .largest_disturbance = 20.0f, .low_2 = -0.1f,
-    .largest_position = 0.1f, .low_3 = -2.0f, .largest_rate = 2.0f};
-static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {.alpha = 0.6988058f,
-    .beta = 272.3178f, .gamma = 35832.543f, .low = -20.0f, .largest_disturbance = 20.0f, .low_2 = -0.1f,
-    .largest_position = 0.1f, .low_3 = -2.0f, .largest_rate = 2.0f};
-static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {.alpha = 0.6988058f,
-    .beta = 272.3178f, .gamma = 35832.543f, .low = -200.0f, .largest_disturbance = 200.0f, .low_2 = -0.02f,
-    .largest_position = 0.02f, .low_3 = -4.0f, .largest_rate = 4.0f};
-static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast = {.alpha = 0.5276334f,
-    .beta = 130.55266f, .gamma = 10823.077f, .low = -200.0f, .largest_disturbance = 200.0f, .low_2 = -0.031f,
-    .largest_position = 0.031f, .low_3 = -4.0f, .largest_rate = 4.0f};
 
 /* what the step does once it is latched */
 MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_latched(maglev_5dof_precise_state_t *state, bool landed, float
@@ -1827,6 +1799,34 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_law(maglev_5dof_precise_
     uint32_t faults_before_2, maglev_5dof_precise_output_t *out, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const float lifted = 0.0305f;                        /* m; at a larger gap a stop may hold the platen */
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_y_fast_servo_fast = {.k_e = -2907.9292f,
+        .k_de = -125.761116f, .largest_step = 1e-04f, .k_step = -125761.12f, .k_sum = -6.0f, .k_p1 = -179.71599f,
+        .k_q1 = -7.957013f, .k_p2 = -34.303856f, .k_q2 = -7.9948697f, .k_p3 = -91.02718f, .k_q3 = -7.904653f,
+        .low = -0.0003f, .largest_error = 0.0003f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_x_fast_servo_fast = {.k_e = -1047.3546f,
+        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+        .low = -0.001f, .largest_error = 0.001f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_z_fast_servo_fast = {.k_e = -1047.3546f,
+        .k_de = -53.8025f, .largest_step = 0.0003f, .k_step = -53802.504f, .k_sum = -1.5811388f, .k_p1 = 15.710307f,
+        .k_q1 = -2.528555f, .k_p2 = 37.087173f, .k_q2 = -2.503874f, .k_p3 = 17.101591f, .k_q3 = -2.5164502f,
+        .low = -0.001f, .largest_error = 0.001f};
+    static const maglev_5dof_precise_servo_fast_parameters_t servo_theta_fast_servo_fast = {.k_e = -1835.2612f,
+        .k_de = -93.11564f, .largest_step = 1e-04f, .k_step = -93115.64f, .k_sum = -3.2863352f, .k_p1 = -35.450283f,
+        .k_q1 = -4.378972f, .k_p2 = 45.209007f, .k_q2 = -4.3589425f, .k_p3 = 19.147825f, .k_q3 = -4.3713517f,
+        .low = -0.0003f, .largest_error = 0.0003f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_x_fast_observer_fast = {.alpha = 0.6988058f,
+        .beta = 272.3178f, .gamma = 35832.543f, .low = -20.0f, .largest_disturbance = 20.0f, .low_2 = -0.1f,
+        .largest_position = 0.1f, .low_3 = -2.0f, .largest_rate = 2.0f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_z_fast_observer_fast = {.alpha = 0.6988058f,
+        .beta = 272.3178f, .gamma = 35832.543f, .low = -20.0f, .largest_disturbance = 20.0f, .low_2 = -0.1f,
+        .largest_position = 0.1f, .low_3 = -2.0f, .largest_rate = 2.0f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_phi_fast_observer_fast = {.alpha = 0.6988058f,
+        .beta = 272.3178f, .gamma = 35832.543f, .low = -200.0f, .largest_disturbance = 200.0f, .low_2 = -0.02f,
+        .largest_position = 0.02f, .low_3 = -4.0f, .largest_rate = 4.0f};
+    static const maglev_5dof_precise_observer_fast_parameters_t observer_theta_fast_observer_fast =
+        {.alpha = 0.5276334f, .beta = 130.55266f, .gamma = 10823.077f, .low = -200.0f, .largest_disturbance = 200.0f,
+        .low_2 = -0.031f, .largest_position = 0.031f, .low_3 = -4.0f, .largest_rate = 4.0f};
 
     uint32_t fault_word;
 

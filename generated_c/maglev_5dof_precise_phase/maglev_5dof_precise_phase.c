@@ -254,7 +254,7 @@ MAGLEV_5DOF_PRECISE_PHASE_INLINE maglev_5dof_precise_phase_input_t
     maglev_5dof_precise_phase_guard_inputs(maglev_5dof_precise_phase_state_t *state,
     const maglev_5dof_precise_phase_input_t *in, uint32_t *faults)
 {
-    maglev_5dof_precise_phase_input_t accepted = *in;
+    maglev_5dof_precise_phase_input_t accepted;
     accepted.i_d1 = maglev_5dof_precise_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1, 0x00000001u,
         faults);
     accepted.i_d2 = maglev_5dof_precise_phase_hold_within(in->i_d2, 4.9497476f, &state->guard_last_i_d2, 0x00000002u,

@@ -1081,7 +1081,7 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_input_t planar_6dof_leadlag_guard
     static const float guard_refused_V_by = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     static const float guard_refused_V_cx = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     static const float guard_refused_V_cy = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
-    planar_6dof_leadlag_input_t accepted = *in;
+    planar_6dof_leadlag_input_t accepted;
     accepted.V_ax = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, faults);
     accepted.V_ay = planar_6dof_leadlag_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u, faults);
     accepted.V_bx = planar_6dof_leadlag_replace_within(in->V_bx, 5.0f, guard_refused_V_bx, 0x00000004u, faults);
@@ -1103,25 +1103,6 @@ PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_input_t planar_6dof_leadlag_guard
     return accepted;
 }
 
-static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
-    .k_h = 9.431981e-05f, .largest_prediction_p = 0.2f, .largest_prediction_s = 0.00400004f, .fastest = 0.004f};
-static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
-    .k_h = 9.431981e-05f, .largest_prediction_p = 0.2f, .largest_prediction_s = 0.00400004f, .fastest = 0.004f};
-static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {.k_p = 0.30911008f, .k_s = 0.05698819f,
-    .k_h = 0.0026284785f, .largest_prediction_p = 0.05f, .largest_prediction_s = 0.00700007f, .fastest = 0.007f};
-static const planar_6dof_leadlag_loop_output_parameters_t loop_x_loop_output = {.gain = 2515.072f,
-    .lead_input = -1799.755f};
-static const planar_6dof_leadlag_loop_output_parameters_t loop_y_loop_output = {.gain = 2515.072f,
-    .lead_input = -1799.755f};
-static const planar_6dof_leadlag_loop_output_parameters_t loop_phi_loop_output = {.gain = 312.6659f,
-    .lead_input = -223.97475f};
-static const planar_6dof_leadlag_loop_output_2_parameters_t loop_z_loop_output_2 = {.gain = 4962.6665f,
-    .lead_input = -4476.951f};
-static const planar_6dof_leadlag_loop_output_2_parameters_t loop_theta_loop_output_2 = {.gain = 528.30865f,
-    .lead_input = -487.64932f};
-static const planar_6dof_leadlag_loop_output_2_parameters_t loop_psi_loop_output_2 = {.gain = 581.13947f,
-    .lead_input = -536.41425f};
-
 /* the law: what the step computes unless it is latched */
 PLANAR_6DOF_LEADLAG_INLINE void planar_6dof_leadlag_law(planar_6dof_leadlag_state_t *state, const
     planar_6dof_leadlag_input_t *accepted, uint32_t guard_left, uint32_t guard_ready, const planar_6dof_leadlag_guard_t
@@ -1130,6 +1111,24 @@ PLANAR_6DOF_LEADLAG_INLINE void planar_6dof_leadlag_law(planar_6dof_leadlag_stat
     /* 1; of the 29, left in the sample that first sets bit 30; fewer are left in those that brake */
     static const uint32_t latch_certain_from = 25u;
     static const uint32_t may_latch_from = 2u;                  /* 1; of the 29, left in the sample before the latch */
+    static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
+        .k_h = 9.431981e-05f, .largest_prediction_p = 0.2f, .largest_prediction_s = 0.00400004f, .fastest = 0.004f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {.k_p = 0.110377386f, .k_s = 0.006452916f,
+        .k_h = 9.431981e-05f, .largest_prediction_p = 0.2f, .largest_prediction_s = 0.00400004f, .fastest = 0.004f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {.k_p = 0.30911008f, .k_s = 0.05698819f,
+        .k_h = 0.0026284785f, .largest_prediction_p = 0.05f, .largest_prediction_s = 0.00700007f, .fastest = 0.007f};
+    static const planar_6dof_leadlag_loop_output_parameters_t loop_x_loop_output = {.gain = 2515.072f,
+        .lead_input = -1799.755f};
+    static const planar_6dof_leadlag_loop_output_parameters_t loop_y_loop_output = {.gain = 2515.072f,
+        .lead_input = -1799.755f};
+    static const planar_6dof_leadlag_loop_output_parameters_t loop_phi_loop_output = {.gain = 312.6659f,
+        .lead_input = -223.97475f};
+    static const planar_6dof_leadlag_loop_output_2_parameters_t loop_z_loop_output_2 = {.gain = 4962.6665f,
+        .lead_input = -4476.951f};
+    static const planar_6dof_leadlag_loop_output_2_parameters_t loop_theta_loop_output_2 = {.gain = 528.30865f,
+        .lead_input = -487.64932f};
+    static const planar_6dof_leadlag_loop_output_2_parameters_t loop_psi_loop_output_2 = {.gain = 581.13947f,
+        .lead_input = -536.41425f};
 
     const bool brakes = guard_left < latch_certain_from;
     const bool may_latch = guard_left <= may_latch_from;

@@ -1135,7 +1135,7 @@ PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_input_t planar_6dof_lqg_guard_inputs(plan
     static const float guard_refused_V_by = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     static const float guard_refused_V_cx = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
     static const float guard_refused_V_cy = 0.0f; /* V; in place of a refused value, in a sample that is not complete */
-    planar_6dof_lqg_input_t accepted = *in;
+    planar_6dof_lqg_input_t accepted;
     accepted.V_ax = planar_6dof_lqg_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, faults);
     accepted.V_ay = planar_6dof_lqg_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u, faults);
     accepted.V_bx = planar_6dof_lqg_replace_within(in->V_bx, 5.0f, guard_refused_V_bx, 0x00000004u, faults);
@@ -1157,26 +1157,26 @@ PLANAR_6DOF_LQG_INLINE planar_6dof_lqg_input_t planar_6dof_lqg_guard_inputs(plan
     return accepted;
 }
 
-static const planar_6dof_lqg_lqg_output_parameters_t lqg_x_lqg_output = {.error_gain = 1955.8091f,
-    .largest_error = 0.0015f, .L = 5126.1787f, .achieved_gain = 0.319009f, .G = -1537.8536f, .H = 0.28662756f};
-static const planar_6dof_lqg_lqg_output_parameters_t lqg_y_lqg_output = {.error_gain = 1117.0514f,
-    .largest_error = 0.004f, .L = 3558.6274f, .achieved_gain = 0.22358753f, .G = -1067.5883f, .H = 0.19897877f};
-static const planar_6dof_lqg_loop_output_parameters_t loop_z_loop_output = {.gain = 4023.7034f,
-    .lead_input = -3537.3835f};
-static const planar_6dof_lqg_loop_output_parameters_t loop_theta_loop_output = {.gain = 427.24356f,
-    .lead_input = -386.5337f};
-static const planar_6dof_lqg_loop_output_parameters_t loop_psi_loop_output = {.gain = 469.96793f,
-    .lead_input = -425.18707f};
-static const planar_6dof_lqg_lqg_update_parameters_t lqg_x_lqg_update = {.integral_decay = 0.9430741f,
-    .integral_input = 0.056925878f};
-static const planar_6dof_lqg_lqg_update_parameters_t lqg_y_lqg_update = {.integral_decay = 0.953085f,
-    .integral_input = 0.046914965f};
-
 /* the law: what the step computes unless it is latched */
 PLANAR_6DOF_LQG_INLINE uint32_t planar_6dof_lqg_law(planar_6dof_lqg_state_t *state, uint32_t faults, const
     planar_6dof_lqg_input_t *accepted, uint32_t guard_left, uint32_t guard_ready, const planar_6dof_lqg_guard_output_t
     *guard_output, planar_6dof_lqg_output_t *out, planar_6dof_lqg_diagnostics_t *diagnostics)
 {
+    static const planar_6dof_lqg_lqg_output_parameters_t lqg_x_lqg_output = {.error_gain = 1955.8091f,
+        .largest_error = 0.0015f, .L = 5126.1787f, .achieved_gain = 0.319009f, .G = -1537.8536f, .H = 0.28662756f};
+    static const planar_6dof_lqg_lqg_output_parameters_t lqg_y_lqg_output = {.error_gain = 1117.0514f,
+        .largest_error = 0.004f, .L = 3558.6274f, .achieved_gain = 0.22358753f, .G = -1067.5883f, .H = 0.19897877f};
+    static const planar_6dof_lqg_loop_output_parameters_t loop_z_loop_output = {.gain = 4023.7034f,
+        .lead_input = -3537.3835f};
+    static const planar_6dof_lqg_loop_output_parameters_t loop_theta_loop_output = {.gain = 427.24356f,
+        .lead_input = -386.5337f};
+    static const planar_6dof_lqg_loop_output_parameters_t loop_psi_loop_output = {.gain = 469.96793f,
+        .lead_input = -425.18707f};
+    static const planar_6dof_lqg_lqg_update_parameters_t lqg_x_lqg_update = {.integral_decay = 0.9430741f,
+        .integral_input = 0.056925878f};
+    static const planar_6dof_lqg_lqg_update_parameters_t lqg_y_lqg_update = {.integral_decay = 0.953085f,
+        .integral_input = 0.046914965f};
+
     uint32_t fault_word;
 
     const float reckoning_phi_position = state->reckoning.phi_position;

@@ -137,7 +137,7 @@ def source(block: Block, program: Program, surrogates: Sequence[Surrogate], layo
     step += diagnostics.entry_statements(program)
     ending = diagnostics.exit_statements(block, program, body.lines[-1].text.removeprefix("    return ").rstrip(";"))
     last = ["}", *(["", *diagnostics.steps(block, step_head(block.name))] if observes else [])]
-    called += [*_guard_inputs(block, program, layout), *map(Line, routines.parameters(block, program, layout))]
+    called += _guard_inputs(block, program, layout)
     for side in body.sides:
         constants = _constants(block, program, layout, side.lines)
         called += [
@@ -247,7 +247,10 @@ def _guard_inputs(block: Block, program: Program, layout: Layout) -> list[Line]:
     declared = [
         row for c in block.constants if c.name in refused for row in routines.number(constant(c.name), c, layout)
     ]
-    rows = [f"    {name}_input_t accepted = *in;"]
+    # No copy of the whole struct: it would hold what is refused until the guard replaces it.
+    rows = [f"    {name}_input_t accepted;"]
+    behind_guards = {program.nodes[g.args[0]].name for g in guards}
+    rows += [f"    accepted.{f.name} = in->{f.name};" for f in layout.input.fields if f.name not in behind_guards]
     for g in guards:
         source, fallback, *bounds, _ = (program.nodes[a] for a in g.args)
         kept = f"&state->{program.paths.get(g.name, g.name)}"
@@ -348,6 +351,8 @@ def _constants(block: Block, program: Program, layout: Layout, lines: Sequence[L
     words = {*re.findall(r"\w+", "\n".join(line.text for line in lines))}
     names = {constant(c.name): c for c in block.constants if c.name in read}
     rows = [row for name, c in names.items() if name in words for row in routines.number(name, c, layout)]
+    structs = routines.parameters(block, program, layout)
+    rows += [f"    {text}" for name, text in structs.items() if name in words]
     return [*rows, ""] if rows else []
 
 

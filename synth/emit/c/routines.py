@@ -116,18 +116,18 @@ def _parameters(
     return [*rows, ""]
 
 
-def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
-    """Return the declarations of the numbers that the calls pass in a struct, before an empty line."""
+def parameters(block: Block, p: Program, layout: Layout) -> dict[str, str]:
+    """Return by name the declarations of the numbers that the calls pass in a struct."""
     constants = {c.name: c for c in block.constants}
-    rows = []
+    structs = {}
     for call in (c for c in p.calls.values() if c.routine.parameters and not c.routine.by_value):
         values = [
             f".{name} = {_value(node, constants, layout.scalar)}"
             for name, node in zip(call.routine.parameters, call.numbers, strict=True)
         ]
         kind = f"{block.name}_{call.routine.name}_parameters_t"
-        rows.append(f"static const {kind} {call.parameters} = {{{', '.join(values)}}};")
-    return [*rows, ""] if rows else []
+        structs[call.parameters] = f"static const {kind} {call.parameters} = {{{', '.join(values)}}};"
+    return structs
 
 
 def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floating]) -> str:

@@ -398,8 +398,12 @@ def test_the_end_of_a_comment_stands_beside_its_last_word() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_step_and_the_law_are_short_functions(name: str) -> None:
-    """The step has at most 120 lines and reads like the block diagram, any other function at most 150."""
-    lines = committed(name)[f"{name}.c"].splitlines()
+    """The step has at most 120 lines and reads like the block diagram, any other function at most 150.
+
+    The tables of parameters stand in the one function that reads them (MISRA C:2012, 8.9), and are not counted.
+    """
+    text = re.sub(r"\n    static const \w+_parameters_t [^;]*;", "", committed(name)[f"{name}.c"])
+    lines = text.splitlines()
     sizes: dict[str, int] = {}
     for begin in (k for k, line in enumerate(lines) if line == "{"):
         head = next(k for k in range(begin - 1, -1, -1) if not lines[k].startswith(" "))
