@@ -134,8 +134,8 @@ def test_the_limits_of_faults_on_the_page_hold_on_a_new_stage(tmp_path: Path) ->
     assert "ms, too late" in printed and "z + i lost and dead" in printed
     synth(folder, *COMMAND, "faults", "my_stage", "--write", "--plants", "2")
     synth(folder, *COMMAND, "emit", "my_stage", "--out", "firmware")
-    header = (folder / "firmware" / "my_stage" / "my_stage.h").read_text(encoding="utf-8")
-    assert "measured on 2 plants with each sensor lost in turn" in " ".join(header.replace("\n * ", " ").split())
+    datasheet = (folder / "firmware" / "my_stage" / "my_stage.md").read_text(encoding="utf-8")
+    assert "measured on 2 plants with each sensor lost in turn" in datasheet
 
 
 @pytest.mark.whole

@@ -201,7 +201,7 @@ def test_a_call_outside_a_law_is_a_plain_call_and_a_name_is_given_once() -> None
         call("outer", lambda: call("twice", lambda: 3 * x))
         call("twice", lambda: 4 * x)
 
-    with pytest.raises(SignalError, match="function .twice. is called twice: give each call a name"):
+    with pytest.raises(SignalError, match=r"function .twice. is called twice: give each call a name"):
         record(law)
     with pytest.raises(SignalError, match="is no identifier of C"):
         call("no good name", lambda: 1)

@@ -202,7 +202,7 @@ def faults(
         bool, typer.Option("--sweep", help="also smallest noticed magnitudes and tolerated times")
     ] = False,
     write: Annotated[
-        bool, typer.Option("--write", help="lose each sensor and write safe_output.json, for the C header")
+        bool, typer.Option("--write", help="lose each sensor and write safe_output.json, for the datasheet")
     ] = False,
     fresh: Fresh = False,
 ) -> None:

@@ -292,7 +292,7 @@ class Stage:
     drive             Blocks between the controller and the plant in experiments, with the plant that they drive
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign; `study` limits of a study of tolerances
-    safe_output       what the machine does after the latch as measured, which header and manifest state
+    safe_output       what the machine does after the latch as measured, which datasheet and manifest state
     header_notes      sentences of the C's header (`read_notes`), `datasheet_notes` of the datasheet beside it
     reactions         what the machine does, by the key of a row of the datasheet's failures
     used_instead      what the law uses for a refused input, by the same keys, where the guard cannot know it

@@ -35,7 +35,7 @@ def interface(
     """Return the interface, completed with the names, units and ranges of the plant's signals.
 
     `delay` counts samples from measurement to actuation. After `bad_samples` in a row with a bad sensor the actuators
-    go to their safe values; `safe_output_effect` states what this does to the machine, for the C header. With
+    go to their safe values; `safe_output_effect` states what this does to the machine, for the datasheet. With
     `good_samples` N above 0, N good samples cancel a bad one (a leaky counter); with 0, one good sample resets the
     count. `suspected` are sensors that a law compares. Before the latch, ``brakes`` is 1 for `braking` samples more.
     With `missed_calls`, the largest number that may be missing in a row, the controller has an input of this name and a
