@@ -33,6 +33,7 @@ def design(
     `limited` names states of the law that may reach their bounds.
     """
     reach, name = platen.AXES[0].reference, controller.name
+    (gaps,) = fault_handling.relations(plant)
     phases = Companion(
         f"{name}_phase",
         partial(commutation.phase_currents, name, plant),
@@ -67,6 +68,10 @@ def design(
             travel=fault_handling.TRAVEL * 1e3,
             frozen=fault_handling.WIDE_FROZEN * 1e3,
             jump=fault_handling.WIDE_JUMP * 1e3,
+            noise=fault_handling.SOUND.noise * 1e6,
+            offset=fault_handling.SOUND.offset * 1e6,
+            parity=gaps.threshold * 1e6,
+            noisy=gaps.largest * 1e6,
             quiet=fault_handling.PROBE.quiet,
             paper=papers.FULFORD,
         ),

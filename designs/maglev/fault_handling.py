@@ -34,7 +34,7 @@ from synth.analyse.structure import parity
 from synth.block import Block, Constant, Exprs, Step, build
 from synth.blocks.estimate import predictor
 from synth.blocks.faults import innovation_monitor, landing, probe, redundancy
-from synth.blocks.faults.redundancy_decision import jump_gate
+from synth.blocks.faults.redundancy_decision import frozen_gate, jump_gate
 from synth.blocks.guard import missed_calls
 from synth.fault import Fault
 from synth.law import label
@@ -42,7 +42,8 @@ from synth.plant import Plant
 from synth.signals import Signal, signal_names
 from synth.synthesise import digits
 
-OFFSET = 7e-6  # m: largest constant error of a gap encoder; with it the threshold is 48 um
+# Of sound encoders: with them the threshold of the parity is 48 um, and up to 0.16 mm with noise of one count.
+SOUND = parity.Tolerance(RESOLUTION, offset=7e-6, noise=RESOLUTION)
 BANDWIDTH = {"y": 120.0, "phi": 120.0, "theta": 120.0, "x": 60.0, "z": 60.0}  # rad/s
 RATES = {"y": 4.0, "x": 2.0, "z": 2.0, "phi": 4.0, "theta": 4.0}  # m/s or rad/s
 DISTURBANCES = {"y": 50.0, "x": 20.0, "z": 20.0, "phi": 200.0, "theta": 200.0}  # m/s^2 or rad/s^2
@@ -51,7 +52,8 @@ WRONG_ACCELERATION = 2 * 1.1 * platen.largest_acceleration()
 THRUST_GAIN = predictor.Gain(0.8, 1.2, 30.0)  # of x and z: the magnets' flux is known within 10 %
 TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
 PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5)  # to 21 um: guide friction of 1.8 N takes half
-GATE = 40e-6  # m: a code that stands still while its prediction moves further is frozen
+GATE = 40e-6  # m: a prediction that is nearer agrees with its code
+FROZEN = digits.round_up(frozen_gate(GATE, RESOLUTION, SOUND.noise))  # m: 40 um would do without noise
 # m: without a fault the distance from code to prediction grows by at most 0.24 mm in a sample and by 0.10 mm while the
 # code stands still, in steps of x and z and after 40 missed calls
 WIDE_JUMP, WIDE_FROZEN = 0.5e-3, 0.2e-3
@@ -63,6 +65,7 @@ DECISION = redundancy.Decision(
     jump=dict.fromkeys("xz", digits.round_up(JUMP)),
     wide_jump=dict.fromkeys("xz", WIDE_JUMP),
     wide_frozen=dict.fromkeys("xz", WIDE_FROZEN),
+    frozen=dict.fromkeys("xz", FROZEN),
 )
 STOP, RAMP_BOUND = platen.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
 COURSES: dict[str, landing.Course] = {
@@ -103,8 +106,7 @@ def courses(plant: Plant) -> list[landing.Course]:
 
 def relations(plant: Plant) -> tuple[parity.Relation, ...]:
     """Return the parity relation of the gap encoders, from the kinematics."""
-    tolerance = parity.Tolerance(RESOLUTION, OFFSET)
-    return parity.relations(plant, {s.name: s.of for s in INTERFACE.sensors}, dict.fromkeys(SENSORS, tolerance))
+    return parity.relations(plant, {s.name: s.of for s in INTERFACE.sensors}, dict.fromkeys(SENSORS, SOUND))
 
 
 def predict_gaps(plant: Plant) -> Block:

@@ -34,6 +34,7 @@ RATED = 5 / sqrt(2)  # A rms, 5 A peak continuous, F section II
 BAD_SAMPLES = 5
 GOOD_SAMPLES = 4  # make up for a bad one: more than one bad sample in five lands, too
 SAFE_CURRENT = 2.5  # A rms of i_d: lowers the platen from every gap; with 2 A the magnets hold it at the upper stop
+HELD_UP = 7e-3  # rad: from this tilt on the safe output does not lower every plant from its upper stop
 PULLED_UP = 28.7e-3  # m: gap of balance without current, rounded down
 LIFTED = 30.5e-3  # m: at larger gaps a stop may hold the platen: it is not probed, and once landed it rests
 SLEW = 100.0  # A/s
@@ -55,7 +56,8 @@ WIRES = {f"i_d{j}": f"i_d{j}" for j in MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"} 
 WIDE = 0.1  # m: twice the stroke, to accept overshoot and the compliance of a stop
 LOST = 2 * WIDE  # m, outside the range of x and z
 ENCODER_OFFSET = 7e-6  # m: largest error of the zero of an encoder
-STOP_MARGIN = 20e-6  # m at a motor: more than the error of an encoder, ENCODER_OFFSET and half a count
+# m at a motor: more than the error of an encoder, ENCODER_OFFSET, half a count and 0.1 % of the largest gap
+STOP_MARGIN = 50e-6
 ARM = 1 / (2 * maglev_stage.plant().parameter("r").value)  # 1/m
 
 
@@ -86,9 +88,10 @@ INTERFACE = stage.interface(
     bad_samples=BAD_SAMPLES,
     good_samples=GOOD_SAMPLES,
     safe_output_effect=f"zero current pulls the platen up from a gap below {PULLED_UP * 1e3:g} mm; in flight the "
-    f"safe output, {SAFE_CURRENT:g} A rms, lowers it from every gap between its stops, {GAP[0] * 1e3:g} mm to "
-    f"{GAP[1] * 1e3:g} mm, also with all parameters at their tolerances, and is no soft landing: from 18 mm the platen "
-    "meets its lower stop at up to 0.57 m/s",
+    f"safe output, {SAFE_CURRENT:g} A rms, lowers a level platen from every gap between its stops, {GAP[0] * 1e3:g} mm "
+    f"to {GAP[1] * 1e3:g} mm, also with all parameters at their tolerances, but at {GAP[0] * 1e3:g} mm magnets 10 % "
+    f"stronger than assumed may hold one that is tilted about Z by {HELD_UP * 1e3:g} mrad or more; it is no soft "
+    "landing: from 18 mm the platen meets its lower stop at up to 0.57 m/s",
 )
 CURRENTS = INTERFACE.outputs
 OUTPUTS = (

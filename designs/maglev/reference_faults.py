@@ -27,11 +27,20 @@ Finish = Callable[[Array, Array, Array], tuple[Array, Array, dict[str, Any]]]
 Law = Callable[[Columns, Array, Array, Flags], tuple[Array, Finish]]
 
 T = 1e-3  # s
+K = 6.109410204869  # normal noise exceeds so many standard deviations in 1e-9 of the samples
+OFFSET, QUIET = 4 * 7e-6, 4 * (5e-6 + 7e-6)  # m: of four gap encoders, with half a count of each
+NOISE = 2 * np.sqrt(1e-10 + 1e-10 / 12)  # m: one count of each, rounded to counts
+SLOPE = (
+    K * QUIET / np.sqrt(QUIET**2 - OFFSET**2)
+)  # of a hyperbola over the noise that the line OFFSET + K NOISE touches
 SENSING = redundancy.Sensors(
     dict(zip(NAMES[:4], (1.0, -1.0, 1.0, -1.0), strict=True)),
-    4 * (5e-6 + 7e-6),  # m: half a count and an offset of each gap encoder
+    QUIET,
+    SLOPE**2 / 2,
+    np.hypot(QUIET, SLOPE * NOISE),
     "xz",
     gate=40e-6,  # m
+    frozen=82e-6,  # m: the noise of four codes cancels such a motion in 1e-9 of the samples
     jump=0.15e-3,  # m: 40 um, 66 um at the rate and 27 um by an acceleration of 53 m/s^2, and a count of 10 um
     wide_jump=0.5e-3,  # m
     wide_frozen=0.2e-3,  # m

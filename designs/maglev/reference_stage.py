@@ -33,7 +33,7 @@ SENSORS = len(LIMITS)
 NAMES = tuple(LIMITS)
 for s in AXES:
     low, high = BOX.get(s, (-0.05, 0.05))
-    margin = 20e-6 / (0.397 if s in ("phi", "theta") else 1.0)  # m, rad: 20 um at a motor
+    margin = 50e-6 / (0.397 if s in ("phi", "theta") else 1.0)  # m, rad: 50 um at a motor
     LIMITS |= {f"{s}_ref": (low + margin, high - margin)}
 LOW, HIGH = np.array([*LIMITS.values()]).T
 SAFE = {"i_d1": 2.5, "i_d2": 2.5, "i_d3": 2.5, "i_d4": 2.5, "u_x": 0.0, "u_z": 0.0}

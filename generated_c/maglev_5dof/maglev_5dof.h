@@ -33,7 +33,8 @@
  * 3, along Z.
  *
  * The pose at init is that of the first sample in which all sensors are good, and the platen rests in it, as on its
- * stop at 31 mm.
+ * stop at 31 mm. Check scale and direction of the encoders of x and z before the first flight: one that counts too
+ * little or backwards may not be noticed before the platen is at a stop.
  *
  * The gains and numbers in maglev_5dof.c hold for one plant and one period: for other masses, geometry or magnets, or
  * another period, generate the files again. gains.json says where each gain comes from.
@@ -64,11 +65,11 @@ typedef struct {
     float y4;                           /* m, 0.0124 .. 0.0366: gap of motor 4 */
     float x;                            /* m, -0.1 .. 0.1: platen along X */
     float z;                            /* m, -0.1 .. 0.1: platen along Z */
-    float y_ref;                        /* m, 0.01802 .. 0.03098: set-point of the gap */
-    float x_ref;                        /* m, -0.04998 .. 0.04998: set-point along X */
-    float z_ref;                        /* m, -0.04998 .. 0.04998: set-point along Z */
-    float phi_ref;                      /* rad, -0.00294962 .. 0.00294962: set-point of the rotation about X */
-    float theta_ref;                    /* rad, -0.0139496 .. 0.0139496: set-point of the rotation about Z */
+    float y_ref;                        /* m, 0.01805 .. 0.03095: set-point of the gap */
+    float x_ref;                        /* m, -0.04995 .. 0.04995: set-point along X */
+    float z_ref;                        /* m, -0.04995 .. 0.04995: set-point along Z */
+    float phi_ref;                      /* rad, -0.00287406 .. 0.00287406: set-point of the rotation about X */
+    float theta_ref;                    /* rad, -0.0138741 .. 0.0138741: set-point of the rotation about Z */
     float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if none */
 } maglev_5dof_input_t;
 
@@ -179,6 +180,8 @@ typedef struct {
     float code_y4;                      /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
     uint32_t still_y4;                  /* 1, 0 .. 8: samples without a change */
     uint32_t excluded_y4;               /* 1, 0 .. 1: wrong until init */
+    float last_residual_0;              /* m, -0.039996 .. 0.039996: of the parity relation one sample ago */
+    float bound_0;                      /* m^2, 2.3017e-09 .. 2.68474e-08: largest residual without a fault, squared */
     uint32_t contradictions_0;          /* 1, 0 .. 10: samples in a row */
     uint32_t stuck_0;                   /* 1, 0 .. 1: the excluded sensor stood still */
     uint32_t undecided_0;               /* 1, 0 .. 1: which sensor is wrong is not known */
@@ -201,11 +204,11 @@ typedef struct {
     float last_y4;                      /* m, 0.0124 .. 0.0366: last good value */
     float last_x;                       /* m, -0.1 .. 0.1: last good value */
     float last_z;                       /* m, -0.1 .. 0.1: last good value */
-    float last_y_ref;                   /* m, 0.01802 .. 0.03098: last good value */
-    float last_x_ref;                   /* m, -0.04998 .. 0.04998: last good value */
-    float last_z_ref;                   /* m, -0.04998 .. 0.04998: last good value */
-    float last_phi_ref;                 /* rad, -0.00294962 .. 0.00294962: last good value */
-    float last_theta_ref;               /* rad, -0.0139496 .. 0.0139496: last good value */
+    float last_y_ref;                   /* m, 0.01805 .. 0.03095: last good value */
+    float last_x_ref;                   /* m, -0.04995 .. 0.04995: last good value */
+    float last_z_ref;                   /* m, -0.04995 .. 0.04995: last good value */
+    float last_phi_ref;                 /* rad, -0.00287406 .. 0.00287406: last good value */
+    float last_theta_ref;               /* rad, -0.0138741 .. 0.0138741: last good value */
     /* 1, 1 .. 20: samples with a bad measurement until it latches, in 1/4 of a sample */
     uint32_t left;
     uint32_t latched;                   /* 1, 0 .. 1: latched until init */
@@ -253,11 +256,11 @@ struct maglev_5dof_state {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 48u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 476u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 484u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_48[(sizeof(maglev_5dof_input_t) == 48u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_476[(sizeof(maglev_5dof_state_t) == 476u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_484[(sizeof(maglev_5dof_state_t) == 484u) ? 1 : -1];
 #endif
 
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips

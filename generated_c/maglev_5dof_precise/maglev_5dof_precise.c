@@ -169,6 +169,8 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_guard_output_t maglev_5dof_precis
 }
 
 typedef struct {
+    float value;
+    float residual_0;
     uint32_t still_y1_next;
     uint32_t still_y2_next;
     uint32_t still_y3_next;
@@ -181,12 +183,13 @@ typedef struct {
 } maglev_5dof_precise_redundancy_output_t;
 
 /* redundancy: parity, innovations, frozen codes */
-MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_redundancy_output_t
-    maglev_5dof_precise_redundancy_output(const maglev_5dof_precise_redundancy_state_t *state, uint32_t ready,
-    bool complete, const maglev_5dof_precise_input_t *accepted, maglev_5dof_precise_diagnostics_t *diagnostics)
+MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_redundancy_output_t maglev_5dof_precise_redundancy_output(const
+    maglev_5dof_precise_redundancy_state_t *state, const maglev_5dof_precise_input_t *accepted, uint32_t ready,
+    bool complete, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const uint32_t still_samples = 8u; /* 1; samples without a change of the code: it stands still */
 
+    const float value = accepted->y1 - accepted->y2 + accepted->y3;
     const uint32_t degraded = state->degraded;
     const bool sound = (ready != 0u) && complete && (degraded == 0u);
     const bool same_y1 = maglev_5dof_precise_equal(accepted->y1, state->code_y1);
@@ -216,9 +219,9 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_redundancy_output_t
     if (diagnostics != NULL) {
         diagnostics->sound = sound ? 1.0f : 0.0f;
     }
-    return (maglev_5dof_precise_redundancy_output_t){.still_y1_next = still_y1_next, .still_y2_next = still_y2_next,
-        .still_y3_next = still_y3_next, .still_y4_next = still_y4_next, .sound = sound, .same_y1 = same_y1,
-        .same_y2 = same_y2, .same_y3 = same_y3, .same_y4 = same_y4};
+    return (maglev_5dof_precise_redundancy_output_t){.value = value, .residual_0 = value - accepted->y4,
+        .still_y1_next = still_y1_next, .still_y2_next = still_y2_next, .still_y3_next = still_y3_next, .still_y4_next =
+        still_y4_next, .sound = sound, .same_y1 = same_y1, .same_y2 = same_y2, .same_y3 = same_y3, .same_y4 = same_y4};
 }
 
 typedef struct {
@@ -241,13 +244,14 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_output_t
     maglev_5dof_precise_monitor_output(const maglev_5dof_precise_monitor_state_t *state, float expected, float accepted,
     bool in_time, uint32_t ready, bool unanswered, bool sound, bool good)
 {
-    static const float gate = 4e-05f; /* m; predicted motion in which a working code changes */
+    static const float gate = 4e-05f;                           /* m; an agreeing prediction is nearer */
     static const float jump = 0.00015f; /* m; from the prediction: no acceleration of the machine explains it */
     /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that changes */
     static const float wide_jump = 0.0005f;
     static const float travel = 0.0499f; /* m; end of the travel, where a stop may hold it; of low, high */
     static const uint32_t most_unchanged = 40u;                 /* 1; samples without a change that are counted */
     static const uint32_t repeated_samples = 3u; /* 1; samples without a change of the code: fewer, and it moves */
+    static const float frozen_gate = 8.2e-05f; /* m; predicted motion in which a working code changes */
     /* m; growth of the distance to the prediction that needs no earlier agreement: of a code that stands still */
     static const float wide_frozen = 0.0002f;
 
@@ -293,7 +297,7 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_monitor_output_t
         const uint32_t excluded = state->excluded;
         const bool usable = good && (excluded == 0u);
         const uint32_t stopped = (usable) ? 1u : excluded;
-        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((gate <
+        if ((repeated_samples <= unchanged) && (-travel < accepted) && (accepted < travel) && (((frozen_gate <
                 fabsf(expected - before_next)) && doubts_below_1) || strayed || unanswered) && (ready != 0u)) {
             suspect = stopped;
             out_of_use = stopped;
@@ -629,21 +633,15 @@ typedef struct {
 } maglev_5dof_precise_redundancy_output_2_t;
 
 /* redundancy: parity, innovations, frozen codes */
-MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
-    maglev_5dof_precise_redundancy_output_2(const maglev_5dof_precise_redundancy_state_t *state,
+MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t maglev_5dof_precise_redundancy_output_2(const
+    maglev_5dof_precise_redundancy_state_t *state, const maglev_5dof_precise_redundancy_output_t *redundancy_output,
     const maglev_5dof_precise_input_t *accepted, const maglev_5dof_precise_gap_prediction_t *gap_prediction,
-    const maglev_5dof_precise_redundancy_output_t *redundancy_output, bool x_usual, bool z_usual,
-    uint32_t complete_part, uint32_t ready, maglev_5dof_precise_diagnostics_t *diagnostics)
+    bool x_usual, bool z_usual, uint32_t complete_part, uint32_t ready, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
-    /* m; largest |r| without a fault: half a count and an offset of each sensor */
-    static const float threshold_0 = 4.8e-05f;
     static const uint32_t undecided_from = 9u;                  /* 1; contradictions before all are suspects */
     static const uint32_t tolerated_missing = 2u;               /* 1; readings of a group that may be missing */
 
-    const float residual_0_sum = accepted->y1 - accepted->y2 + accepted->y3;
-    const float residual_0 = residual_0_sum - accepted->y4;
-    const float size = fabsf(residual_0);
-    const bool agreement = size <= threshold_0;
+    const bool agreement = (redundancy_output->residual_0 * redundancy_output->residual_0) <= state->bound_0;
     const bool calm = redundancy_output->sound && agreement && x_usual && z_usual;
     bool suspect_y1 = false;
     bool suspect_y2 = false;
@@ -698,11 +696,12 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
                 suspect_y4 = undecided_0_positive;
             } else {
                 const maglev_5dof_precise_redundancy_output_2_isolation_0_t isolation_0 =
-                    maglev_5dof_precise_redundancy_output_2_isolation_0(residual_0, accepted->y1,
+                    maglev_5dof_precise_redundancy_output_2_isolation_0(redundancy_output->residual_0, accepted->y1,
                     gap_prediction->y1_expected, accepted->y2, gap_prediction->y2_expected, accepted->y3,
                     gap_prediction->y3_expected, accepted->y4, gap_prediction->y4_expected,
-                    redundancy_output->still_y1_next, size, redundancy_output->still_y2_next,
-                    redundancy_output->still_y3_next, redundancy_output->still_y4_next, decided_2);
+                    redundancy_output->still_y1_next, fabsf(redundancy_output->residual_0),
+                    redundancy_output->still_y2_next, redundancy_output->still_y3_next,
+                    redundancy_output->still_y4_next, decided_2);
                 const uint32_t contradictions_0 = state->contradictions_0;
                 const uint32_t waited_2 = (undecided_from <= contradictions_0) ? 1u : undecided_0;
                 suspect_y1 = (maglev_5dof_precise_flag(isolation_0.isolated_y1) + waited_2) != 0u;
@@ -740,10 +739,10 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_output_2_t
                 true) + maglev_5dof_precise_flag((usable_y4) ? false : true);
             gaps_sufficient_if_ready = missing <= tolerated_missing;
             const maglev_5dof_precise_redundancy_output_2_replacement_0_t replacement_0 =
-                maglev_5dof_precise_redundancy_output_2_replacement_0(usable_y1, accepted->y1, missing, residual_0,
-                gap_prediction->y1_expected, usable_y2, accepted->y2, gap_prediction->y2_expected, usable_y3,
-                accepted->y3, gap_prediction->y3_expected, usable_y4, accepted->y4, residual_0_sum,
-                gap_prediction->y4_expected);
+                maglev_5dof_precise_redundancy_output_2_replacement_0(usable_y1, accepted->y1, missing,
+                redundancy_output->residual_0, gap_prediction->y1_expected, usable_y2, accepted->y2,
+                gap_prediction->y2_expected, usable_y3, accepted->y3, gap_prediction->y3_expected, usable_y4,
+                accepted->y4, redundancy_output->value, gap_prediction->y4_expected);
             y1_held = replacement_0.value;
             y2_held = replacement_0.value_2;
             y3_held = replacement_0.value_3;
@@ -792,6 +791,11 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
     const maglev_5dof_precise_redundancy_output_t *redundancy_output, maglev_5dof_precise_diagnostics_t *diagnostics)
 {
     static const uint32_t excluded_from = 2u;                   /* 1; contradictions or jumps before the last */
+    static const float kept_part = 0.9921875f;                  /* 1; of the squared threshold, in a sample */
+    /* m^2; in a sample, of the squared largest |r| without a fault: half a count and an offset of each sensor */
+    static const float quiet_part_0 = 1.8e-11f;
+    static const float learnt_part_0 = 0.22100265f;             /* 1; of the squared change of r, in a sample */
+    static const float largest_0 = 2.6820562e-08f;              /* m^2; squared threshold at the largest noise */
     static const uint32_t most_contradictions = 10u;            /* 1; contradictions that are counted */
 
     state->code_y1 = accepted->y1;
@@ -799,6 +803,11 @@ MAGLEV_5DOF_PRECISE_LARGE maglev_5dof_precise_redundancy_update_t
     bool regular = true;
     bool theta_measured = true;
     if (redundancy_output_2->calm) {
+        const float last_residual_0 = state->last_residual_0;
+        state->last_residual_0 = redundancy_output->residual_0;
+        const float change = redundancy_output->residual_0 - last_residual_0;
+        state->bound_0 = maglev_5dof_precise_min((kept_part * state->bound_0) +
+            (quiet_part_0 + (learnt_part_0 * (change * change))), largest_0);
         state->contradictions_0 = 0u;
     } else {
         const uint32_t excluded_y1 = state->excluded_y1;
@@ -1743,15 +1752,15 @@ MAGLEV_5DOF_PRECISE_INLINE maglev_5dof_precise_input_t maglev_5dof_precise_guard
     accepted.y4 = maglev_5dof_precise_hold(in->y4, 0.0124f, 0.0366f, &state->guard.last_y4, 0x00000008u, faults);
     accepted.x = maglev_5dof_precise_hold_within(in->x, 0.1f, &state->guard.last_x, 0x00000010u, faults);
     accepted.z = maglev_5dof_precise_hold_within(in->z, 0.1f, &state->guard.last_z, 0x00000020u, faults);
-    accepted.y_ref = maglev_5dof_precise_hold(in->y_ref, 0.01802f, 0.03098f, &state->guard.last_y_ref, 0x00000040u,
+    accepted.y_ref = maglev_5dof_precise_hold(in->y_ref, 0.01805f, 0.03095f, &state->guard.last_y_ref, 0x00000040u,
         faults);
-    accepted.x_ref = maglev_5dof_precise_hold_within(in->x_ref, 0.04998f, &state->guard.last_x_ref, 0x00000080u,
+    accepted.x_ref = maglev_5dof_precise_hold_within(in->x_ref, 0.04995f, &state->guard.last_x_ref, 0x00000080u,
         faults);
-    accepted.z_ref = maglev_5dof_precise_hold_within(in->z_ref, 0.04998f, &state->guard.last_z_ref, 0x00000100u,
+    accepted.z_ref = maglev_5dof_precise_hold_within(in->z_ref, 0.04995f, &state->guard.last_z_ref, 0x00000100u,
         faults);
-    accepted.phi_ref = maglev_5dof_precise_hold_within(in->phi_ref, 0.0029496222f, &state->guard.last_phi_ref,
+    accepted.phi_ref = maglev_5dof_precise_hold_within(in->phi_ref, 0.0028740554f, &state->guard.last_phi_ref,
         0x00000200u, faults);
-    accepted.theta_ref = maglev_5dof_precise_hold_within(in->theta_ref, 0.013949622f, &state->guard.last_theta_ref,
+    accepted.theta_ref = maglev_5dof_precise_hold_within(in->theta_ref, 0.013874056f, &state->guard.last_theta_ref,
         0x00000400u, faults);
     return accepted;
 }
@@ -1958,13 +1967,14 @@ void maglev_5dof_precise_init(maglev_5dof_precise_state_t *state)
 {
     /* A member that is not named is 0. */
     *state = (maglev_5dof_precise_state_t){
-        .guard = {.last_y1 = 0.031f, .last_y2 = 0.031f, .last_y3 = 0.031f, .last_y4 = 0.031f, .last_y_ref = 0.03098f,
+        .guard = {.last_y1 = 0.031f, .last_y2 = 0.031f, .last_y3 = 0.031f, .last_y4 = 0.031f, .last_y_ref = 0.03095f,
             .left = 20u},
         .x_monitor = {.doubts = 10u},
         .z_monitor = {.doubts = 10u},
-        .redundancy = {.code_y1 = 0.0245f, .code_y2 = 0.0245f, .code_y3 = 0.0245f, .code_y4 = 0.0245f},
+        .redundancy = {.code_y1 = 0.0245f, .code_y2 = 0.0245f, .code_y3 = 0.0245f, .code_y4 = 0.0245f,
+            .bound_0 = 2.6820562e-08f},
         .observer_y_fast = {.q = 0.0245f},
-        .servo_y_fast = {.r = 0.01802f},
+        .servo_y_fast = {.r = 0.01805f},
         .observer_y = {.q = 0.0245f},
         .observer_x = {.g = 1.0f},
         .observer_z = {.g = 1.0f},
@@ -1997,7 +2007,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
     const maglev_5dof_precise_guard_output_t guard_output = maglev_5dof_precise_guard_output(&state->guard,
         guard_latched, missed_calls);
     const maglev_5dof_precise_redundancy_output_t redundancy_output =
-        maglev_5dof_precise_redundancy_output(&state->redundancy, guard_ready, complete, &accepted, diagnostics);
+        maglev_5dof_precise_redundancy_output(&state->redundancy, &accepted, guard_ready, complete, diagnostics);
     const uint32_t probe_x_attempt = state->probe_x.attempt;
     const bool x_unanswered = most_attempts <= probe_x_attempt;
     const bool in_time = guard_output.judging && (fabsf(missed_calls) <= 0.0f);
@@ -2013,7 +2023,7 @@ MAGLEV_5DOF_PRECISE_INLINE uint32_t maglev_5dof_precise_body(maglev_5dof_precise
         state->observer_z.q, accepted.z, in_time, guard_ready, z_unanswered, redundancy_output.sound,
         (faults & 0x00000020u) == 0u);
     const maglev_5dof_precise_redundancy_output_2_t redundancy_output_2 =
-        maglev_5dof_precise_redundancy_output_2(&state->redundancy, &accepted, &gap_prediction, &redundancy_output,
+        maglev_5dof_precise_redundancy_output_2(&state->redundancy, &redundancy_output, &accepted, &gap_prediction,
         x_monitor_output.usual, z_monitor_output.usual, faults, guard_ready, diagnostics);
     const uint32_t landing_landing_2 = state->landing.landing;
     const bool landed = (landing_landing_2 != 0u) && (landed_at <= state->landing.r_y);

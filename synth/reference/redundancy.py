@@ -4,7 +4,8 @@ It is the reference of `blocks.redundancy` and, for the `others`, of `blocks.inn
 
 parity       sum of s_j y_j = 0 for the sensors of a relation, s_j = +-1: a refused one follows from the others, two
              or more follow from the predictions
-isolation    for |sum of s_j y_j| above a threshold, by codes that stand still and by innovations
+isolation    for |sum of s_j y_j| above a threshold, which its mean squared change in a sample raises: by codes that
+             stand still and by innovations
 others       a code that stands still while the prediction moves by more than a gate is frozen; a reading further
              than `jump` from a prediction that is believed has jumped; both need an earlier agreement
              unless the distance grew by more than a wide gate since the last change of the code
@@ -25,19 +26,24 @@ Columns = Mapping[str, NDArray[Any]]
 
 FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
 CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
+LEARNT = 1 / 128  # of the squared threshold, in a sample without a contradiction
 
 
 @dataclass(frozen=True)
 class Sensors:
-    """The sensors of the relation with their signs and its threshold, and the `others` with gate and travel.
+    """The sensors of the relation with their signs and its threshold, and the `others` with gates and travel.
 
+    Its square is `threshold`^2 + `gain` m, m the mean squared change of the residual, and at most `largest`^2.
     Samples without a change of the others are counted up to `longest`. Readings are limited to `low` .. `high`.
     """
 
     signs: Mapping[str, float]
     threshold: float
+    gain: float
+    largest: float
     others: Sequence[str]
     gate: float
+    frozen: float
     jump: float
     wide_jump: float
     wide_frozen: float
@@ -80,7 +86,9 @@ def readings(
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     judging = ready & ~(np.asarray(state["guard_latched"]) > 0)  # once latched, the observers stand still
-    related, named, after = _isolate(state, of, y[:g], value[:g], expected[:g], usable[:g], still[:g], ready)
+    r, bound = of.parity(y[:g]), np.asarray(state["redundancy_bound_0"])
+    threshold = np.sqrt(bound)
+    related, named, after = _isolate(state, of, threshold, y[:g], value[:g], expected[:g], usable[:g], still[:g], ready)
     readmitted = ~same[:g] & excluded[:g] & good[:g] & (np.asarray(state["redundancy_stuck_0"]) > 0)
     undecided = after["waited"] | readmitted.any(axis=0)
     undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
@@ -96,7 +104,7 @@ def readings(
     believed &= (np.abs(expected[g:]) < of.travel) & (np.abs(last) < of.travel)
     far = distance > of.jump
     doubted = np.where(far & believed, doubts, np.where(distance > of.gate, DOUBTS, np.maximum(doubts - 1, 0)))
-    suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.gate)) | (growth > of.wide_frozen) | unanswered
+    suspicious = ((doubts == 0) & (np.abs(expected[g:] - before) > of.frozen)) | (growth > of.wide_frozen) | unanswered
     stands = ready & (still[g:] >= FRESH) & (np.abs(y[g:]) < of.travel) & suspicious
     jumps = far & ((counted > 0) | (believed & ~same[g:]))
     freezes = stands & ~jumps & usable[g:]
@@ -115,7 +123,11 @@ def readings(
     next |= dict(zip(of.states("before")[g:], before, strict=True))
     kept_doubts = np.where(same[g:], doubts, doubted)
     next |= dict(zip(of.states("doubts")[g:], kept_doubts, strict=True))
-    calm = sound & usual.all(axis=0) & (np.abs(of.parity(y[:g])) <= of.threshold)
+    calm = sound & usual.all(axis=0) & (np.abs(r) <= threshold)
+    last_r = np.asarray(state["redundancy_last_residual_0"])
+    learnt = (1 - LEARNT) * bound + LEARNT * (of.threshold**2 + of.gain * (r - last_r) ** 2)
+    next["redundancy_bound_0"] = np.where(calm, np.minimum(learnt, of.largest**2), bound)
+    next["redundancy_last_residual_0"] = np.where(calm, r, last_r)
     jump_counts = np.where(jumps & (counted < PERSISTENT - 1), counted + 1, 0)
     next |= dict(zip(of.states("jumps")[g:], jump_counts, strict=True))
     next |= dict(zip(of.states("excluded")[g:], out, strict=True))
@@ -139,12 +151,20 @@ def readings(
 
 
 def _isolate(
-    state: Columns, of: Sensors, y: Array, value: Array, expected: Array, usable: Flags, still: Array, ready: Flags
+    state: Columns,
+    of: Sensors,
+    threshold: Array,
+    y: Array,
+    value: Array,
+    expected: Array,
+    usable: Flags,
+    still: Array,
+    ready: Flags,
 ) -> tuple[Array, Flags, dict[str, Any]]:
     """Return the readings of the relation to use, which is named now, and what follows for the states."""
     sign = of.column(y)
     r, missing = of.parity(value), np.sum(~usable, axis=0)
-    wrong = (missing == 0) & (np.abs(r) > of.threshold) & ready
+    wrong = (missing == 0) & (np.abs(r) > threshold) & ready
     E = np.where(r > 0, 1.0, -1.0) * sign * (y - expected)
     undecided = np.asarray(state["redundancy_undecided_0"]) > 0
     candidate = (still >= FRESH) & (CANDIDATE * np.abs(r) < E)

@@ -148,6 +148,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
         "landing.Descent": vars(descent),
         "landing.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0, "bound": 1.0},
         "redundancy_decision.jump_gate": {"gate": 4e-5, "acceleration": 50.0, "resolution": 1e-5, "period": 1e-3},
+        "redundancy_decision.frozen_gate": {"gate": 4e-5, "resolution": 1e-5, "noise": 1e-5},
         "landing.Levelling": {"coordinate": "q", "pole": 30.0, "predicted_pole": 20.0},
         "landing.Release": {"coordinate": "q", "spring": Constant("spring_q", 50.0, "1/s^2", "given")},
         "landing.block": {"time": time, "courses": [descent], "demands": [w], "patience": 5},

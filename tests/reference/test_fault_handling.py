@@ -56,25 +56,28 @@ def differs(block: Block, x: Columns, u: Columns, states: Columns, outputs: Colu
 
 SENSORS = [Signal(n, "m", -1.0, 1.0) for n in ("a", "b", "c", "x")]
 DECISION = redundancy_block.Decision(
-    {"x": 1e-3}, {"x": (-0.9, 0.9)}, at_rest=50, jump={"x": 2e-3}, wide_jump={"x": 5e-3}, wide_frozen={"x": 3e-3}
-)
+    {"x": 1e-3}, {"x": (-0.9, 0.9)}, at_rest=50, jump={"x": 2e-3}, wide_jump={"x": 5e-3}, wide_frozen={"x": 3e-3},
+    frozen={"x": 1.5e-3},
+)  # fmt: skip
 MISSED = Signal("missed_calls", "1", 0, 40)
 OF = redundancy.Sensors(
-    {"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, ["x"], 1e-3, 2e-3, 5e-3, 3e-3, 0.9, 50, *np.full((2, 4), [[-1.0], [1.0]])
-)
+    {"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, 2.0, 1.8e-3, ["x"],
+    gate=1e-3, frozen=1.5e-3, jump=2e-3, wide_jump=5e-3, wide_frozen=3e-3, travel=0.9, longest=50,
+    low=np.full(4, -1.0), high=np.full(4, 1.0),
+)  # fmt: skip
 
 
 def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
     block = whole(
         innovation_monitor.block(TIME, SENSORS[-1], DECISION, MISSED),
-        redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), OF.threshold)], DECISION),
+        redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), 1e-3, 2.0, 1.8e-3)], DECISION),
     )
     x, u = draw(block)
     rng = np.random.default_rng(1)
     u["missed_calls"] = rng.choice((0.0, 0.0, 3.0, -1.0, np.nan), N)
     x["x_monitor_doubts"] = np.where(rng.uniform(size=N) < 0.5, 0.0, x["x_monitor_doubts"])
     x["x_monitor_before"] = np.clip(u["x_accepted"] + rng.choice((0, 0.02), N), -1, 1)
-    u["b_accepted"] = np.clip(u["a_accepted"] + u["c_accepted"] + rng.choice((0, 5e-4, 0.01), N), -1, 1)
+    u["b_accepted"] = np.clip(u["a_accepted"] + u["c_accepted"] + rng.choice((0, 5e-4, 1.4e-3, 0.01), N), -1, 1)
     for s, code in zip(SENSORS, of.states("code"), strict=True):
         off = rng.choice((0.0, 5e-4, 0.02), N) * rng.choice((-1, 1), N)
         u[f"{s.name}_expected"] = np.clip(u[f"{s.name}_accepted"] + off, -1, 1)
@@ -157,6 +160,9 @@ def test_a_reference_agrees_with_its_block(of: Callable[[], list[str]]) -> None:
     [
         lambda: redundancy_differs(replace(OF, threshold=0.02)),
         lambda: redundancy_differs(replace(OF, gate=0.05)),
+        lambda: redundancy_differs(replace(OF, gain=3.0)),
+        lambda: redundancy_differs(replace(OF, largest=1.7e-3)),
+        lambda: redundancy_differs(replace(OF, frozen=0.05)),
         lambda: redundancy_differs(replace(OF, jump=0.03)),
         lambda: redundancy_differs(replace(OF, wide_jump=0.03)),
         lambda: redundancy_differs(replace(OF, wide_frozen=0.03)),

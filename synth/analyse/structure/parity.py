@@ -5,18 +5,29 @@
 up to the nonlinearity of h. Every row w of W is a residual r = w y that is zero for sensors without a fault, whatever
 the motion. A residual of healthy sensors is bounded by
 
-    |r| <= sum_i |w_i| (resolution_i / 2 + offset_i) + max over the range of |w (h(q) - h(q0))|
+    |r| <= c + e,   c = sum_i |w_i| offset_i + max over the range of |w (h(q) - h(q0))|,
+                    e = sum_i |w_i| resolution_i / 2
+
+White noise adds to it, with the standard deviation s and the quantile K of a small chance. The mean of
+(r - r one sample ago)^2 measures 2 s^2, with the rounding of a body that moves, and is 0 where nothing moves:
+
+    r^2 <= t^2 + gain mean (r - r one sample ago)^2,   t = c + e,   gain = K^2 / 2  t^2 / (t^2 - c^2)
+
+The gain is the least with which that bound is nowhere below c + K s.
 
 Each row is reduced (row echelon form), so it has few entries, and scaled: its
 largest entry is 1 or -1.
 
 Source: Chow, Willsky, "Analytical redundancy and the design of robust failure detection systems", IEEE Trans. Automatic
-Control 29 (1984), section II, for sensors of one instant.
+Control 29 (1984), section II, for sensors of one instant; von Neumann, Kent, Bellinson, Hart, "The mean square
+successive difference", Annals of Mathematical Statistics 12 (1941).
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import sqrt
+from statistics import NormalDist
 
 import casadi as ca
 import numpy as np
@@ -34,31 +45,44 @@ GRID = 3  # points of each position over its range
 @arguments.checked
 @dataclass(frozen=True)
 class Tolerance:
-    """Resolution and largest constant error of a sensor, in its unit."""
+    """Resolution, largest constant error and largest standard deviation of white noise of a sensor, in its unit."""
 
     resolution: float
     offset: float
+    noise: float = 0.0
 
 
 @arguments.checked
 @dataclass(frozen=True)
 class Relation:
-    """Weights (1) by sensor of one residual, and the largest |residual| of healthy sensors, in their unit."""
+    """Weights (1) by sensor of one residual, and the largest |residual| of healthy sensors, in their unit.
+
+    It is `threshold` without noise. Its square rises by `gain` times the mean squared change of the residual in a
+    sample, to that of `largest`. A gain of 0 is that of sensors without noise.
+    """
 
     weights: Mapping[str, float]
     threshold: float
+    gain: float = 0.0
+    largest: float = 0.0
 
 
 @arguments.checked
-def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str, Tolerance]) -> tuple[Relation, ...]:
+def relations(
+    plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str, Tolerance], chance: float = 1e-9
+) -> tuple[Relation, ...]:
     """Return the parity relations of `sensors`, plant outputs by sensor name; none where no sensor is redundant.
+
+    Noise exceeds its quantile in a share `chance` of the samples.
 
     The positions are the states that an output depends on. Their ranges are those of the plant, and C is that at their
     middle. Units of sensors that stand in one relation must agree.
 
     Raises ModelError for no sensors, an output that the plant does not have, that depends on an input or on no state, a
-    missing tolerance, or a relation between sensors of different units.
+    missing tolerance, a relation between sensors of different units, or a chance outside 0 .. 1.
     """
+    if not 0 < chance < 1:
+        raise ModelError(f"noise exceeds the threshold with the chance {chance}: give one between 0 and 1")
     if not sensors:
         raise ModelError("no sensors are given: give the output that each sensor reads")
     outputs = {s.name: s for s in plant.outputs}
@@ -68,7 +92,8 @@ def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str,
     h, middle, points = _output_map(plant, list(sensors.values()))
     W = _left_null_space(np.array(h.jacobian()(middle, h(middle))))
     names = list(sensors)
-    bound = np.array([tolerances[n].resolution / 2 + tolerances[n].offset for n in names])
+    resolution, offset, noise = np.array([(t.resolution, t.offset, t.noise) for t in map(tolerances.get, names) if t]).T
+    K = -NormalDist().inv_cdf(chance / 2)
     deviations = np.array([np.array(h(p) - h(middle)).ravel() for p in points])
     parities = []
     for w in W:
@@ -79,7 +104,12 @@ def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str,
                 f"the relation of {', '.join(weights)} mixes {', '.join(sorted(units))}: scale the outputs"
             )
         curvature = float(np.max(np.abs(deviations @ w), initial=0.0))
-        parities.append(Relation(weights, float(np.abs(w) @ bound) + curvature))
+        constant = float(np.abs(w) @ offset) + curvature
+        threshold, variance, gain = constant + float(np.abs(w) @ resolution / 2), 0.0, 0.0
+        if (noise * w).any():
+            variance = float(w**2 @ (noise**2 + resolution**2 / 12))
+            gain = K**2 / 2 / (1 - (constant / threshold) ** 2)
+        parities.append(Relation(weights, threshold, gain, sqrt(threshold**2 + 2 * gain * variance)))
     return tuple(parities)
 
 

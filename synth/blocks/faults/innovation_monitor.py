@@ -4,7 +4,7 @@
 
     refused   the guard refuses it: the prediction replaces it
     frozen    its code does not change for FRESH samples or more while its prediction, which agreed with it at the last
-              DOUBTS changes, moves by more than `gate`; or a `probe` says that its code did not answer
+              DOUBTS changes, moves by more than `frozen`; or a `probe` says that its code did not answer
     jump      its innovation y - y^ is larger than `jump`, and y^ agreed with it at the last DOUBTS changes. The
               prediction replaces it at once. A jump is not looked for in a sample after missing calls, in which the
               body has moved on, nor where the prediction or the code before it is outside `travel`; a sensor that
@@ -180,7 +180,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
     """
     n = sensor.name
     decision.require(n)
-    gate, travel = decision.gate[n], decision.travel[n]
+    gate, frozen, travel = decision.gate[n], decision.frozen_from(n), decision.travel[n]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         y, expected, excluded, doubts = u[f"{n}_accepted"], u[f"{n}_expected"], x["excluded"], x["doubts"]
@@ -203,7 +203,7 @@ def block(time: Discrete, sensor: Signal, decision: Decision, missed_calls: Sign
         unexplained = ca.if_else(ca.logic_or(same, believed), doubts, DOUBTS)
         disagreeing = ca.if_else(far, unexplained, ca.if_else(same, doubts, DOUBTS))
         agreeing = ca.if_else(same, doubts, ca.if_else(doubts >= 1, doubts - 1, 0))
-        moves = ca.logic_or(ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1), strayed)
+        moves = ca.logic_or(ca.logic_and(ca.fabs(expected - before) > frozen, doubts < 1), strayed)
         suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
         stands = ca.logic_and(_is_frozen(travel, y, unchanged, suspicious), u["ready"])
         usable = ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(excluded))

@@ -60,9 +60,11 @@ def of_redundancy(
 def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decision) -> list[Failure]:
     names = tuple(relation.weights)
     unit, most = signals[names[0]].unit, decision.tolerated
+    noisy = f" (with noise up to {relation.largest:.3g} {unit})" if relation.gain else ""
     wrong = (
-        f"|residual| above {relation.threshold:g} {unit} in {decision.persistent} samples in a row, and one has by far "
-        f"the largest innovation or alone a code that stands still ({FRESH} or {STILL} samples): excluded until init"
+        f"|residual| above {relation.threshold:g} {unit} in {decision.persistent} samples in a row{noisy}, and one has "
+        f"by far the largest innovation or alone a code that stands still ({FRESH} or {STILL} samples): excluded until "
+        "init"
     )
     unclear = (
         f"the same in {decision.undecided} samples in a row, or an excluded one moves again after it stood still: "
@@ -86,7 +88,7 @@ def _of_group(signals: Mapping[str, Signal], relation: Relation, decision: Decis
 def _of_singles(signals: Mapping[str, Signal], singles: Sequence[str], decision: Decision) -> list[Failure]:
     names, (first, *_) = tuple(singles), singles
     unit = signals[first].unit
-    gates = enumeration([f"{g:g} {unit}" for g in dict.fromkeys(decision.gate[n] for n in singles)])
+    gates = enumeration([f"{g:g} {unit}" for g in dict.fromkeys(decision.frozen_from(n) for n in singles)])
     travels = dict.fromkeys(decision.travel[n] for n in singles)
     inside = enumeration([f"{low:g} .. {high:g} {unit}" for low, high in travels])
     frozen = (
@@ -153,13 +155,14 @@ def block(
         longest = decision.longest(False)
         next |= {f"still_{n}": redundancy_decision.count(same[n], x[f"still_{n}"], longest) for n in group}
         value, suspects, named = dict[str, ca.SX](), dict[str, ca.SX](), list[tuple[Signal, ca.SX]]()
-        determined, sufficient = ca.SX(1), ca.SX(1)
+        determined, sufficient, learnt = ca.SX(1), ca.SX(1), dict[str, ca.SX]()
         sound = calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
         for i, relation in enumerate(relations):
             vote = _vote(i, relation, by_name, u, x, next, usable, same, decision)
             value |= vote.value
             suspects |= vote.suspects
             next |= vote.next
+            learnt |= vote.learnt
             named += vote.named
             determined = ca.if_else(vote.regular, determined, 0)
             sufficient = ca.if_else(vote.sufficient, sufficient, 0)
@@ -181,6 +184,7 @@ def block(
         decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_"))}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
+        next |= {n: ca.if_else(calm, v, x[n]) for n, v in learnt.items()}
         label(same=same, usable=usable, calm=calm, determined=determined, sound=sound, decisions=decisions)
         return Step(output, next, named, numbers=decision.numbers(by_name, relations))
 
@@ -199,6 +203,7 @@ class _Vote:
     value: dict[str, ca.SX]
     suspects: dict[str, ca.SX]
     next: dict[str, ca.SX]
+    learnt: dict[str, ca.SX]
     regular: ca.SX
     sufficient: ca.SX
     agreement: ca.SX
@@ -225,10 +230,16 @@ def _vote(
     weights, names = relation.weights, list(relation.weights)
     y, expected = ({n: u[f"{n}_{of}"] for n in names} for of in ("accepted", "expected"))
     r = sum((w * y[n] for n, w in weights.items()), start=ca.SX(0))
+    agreement, learnt = ca.fabs(r) <= relation.threshold, dict[str, ca.SX]()
+    if relation.gain:
+        part, bound, change = redundancy_decision.LEARNT, x[f"bound_{i}"], r - x[f"last_residual_{i}"]
+        agreement = r * r <= bound
+        increase = part * relation.threshold**2 + part * relation.gain * (change * change)
+        label(change=change, increase=increase)
+        learnt = {f"last_residual_{i}": r, f"bound_{i}": ca.fmin((1 - part) * bound + increase, relation.largest**2)}
     whole = ca.SX(1)
     for n in names:
         whole = ca.logic_and(whole, usable[n])
-    agreement = ca.fabs(r) <= relation.threshold
     agrees = ca.logic_or(agreement, ca.logic_not(u["ready"]))
     count, stuck, undecided = (x[f"{of}_{i}"] for of in ("contradictions", "stuck", "undecided"))
     excluded, stands = {n: x[f"excluded_{n}"] for n in names}, {n: still[f"still_{n}"] for n in names}
@@ -269,7 +280,7 @@ def _vote(
         decided=decided, enough=enough, missing=missing, isolated=isolated, left_out_now=left_out_now,
         stuck_now=stuck_now, readmitted=readmitted,
     )  # fmt: skip
-    return _Vote(value, suspects, next, regular, sufficient, agreement, shown)
+    return _Vote(value, suspects, next, learnt, regular, sufficient, agreement, shown)
 
 
 @dataclass(frozen=True, eq=False)

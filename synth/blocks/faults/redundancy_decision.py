@@ -20,7 +20,8 @@ Source: Isermann, *Fault-Diagnosis Systems*, chapter 10 (parity), with the innov
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, sqrt
+from math import inf, prod, sqrt
+from statistics import NormalDist
 
 import casadi as ca
 
@@ -35,6 +36,8 @@ from synth.signals import Signal
 FRESH, STILL = 3, 8  # samples without a change of the code: fewer, it moves; at least, it stands still
 CANDIDATE = 0.4  # of |r|: least E by rule 1
 LEAD = {"by code": 0.05, "by innovation": 0.3}  # of |r|: of the largest E over the next one, by rules 1 and 2, and 3
+LEARNT = 1 / 128  # in a sample, of a squared threshold: long beside a fault, and forgotten a second after init
+PLACES = 200  # of a body, over which the chance of repeated codes is averaged
 PREFERENCE = 10.0  # added to E by rules 1 and 2; larger than any reading
 
 
@@ -83,12 +86,18 @@ def signals(i: int, unit: str, r: ca.SX, E: Exprs, score: Exprs) -> list[tuple[S
     return named + [(Signal(f"score_{n}", unit, -most, most, "the largest is wrong"), v) for n, v in score.items()]
 
 
-def numbers_of_relation(unit: str, i: int, threshold: float) -> list[Constant]:
+def numbers_of_relation(unit: str, i: int, relation: Relation) -> list[Constant]:
     """Return the numbers of the rules and of relation i that the C names, for readings in a unit."""
+    squared = f"{unit}^2"
+    about = "largest |r| without a fault: half a count and an offset of each sensor"
+    noisy = [
+        Constant(f"quiet_part_{i}", LEARNT * relation.threshold**2, squared, f"in a sample, of the squared {about}"),
+        Constant(f"learnt_part_{i}", LEARNT * relation.gain, "1", "of the squared change of r, in a sample"),
+        Constant("kept_part", 1 - LEARNT, "1", "of the squared threshold, in a sample"),
+        Constant(f"largest_{i}", relation.largest**2, squared, "squared threshold at the largest noise"),
+    ]
     return [
-        Constant(
-            f"threshold_{i}", threshold, unit, "largest |r| without a fault: half a count and an offset of each sensor"
-        ),
+        *(noisy if relation.gain else [Constant(f"threshold_{i}", relation.threshold, unit, about)]),
         Constant(
             "candidate_part",
             CANDIDATE,
@@ -121,7 +130,9 @@ DOUBTS = 10  # changes of a code that agree until its prediction is believed, at
 class Decision:
     """Samples in a row until a sensor is excluded or all are suspects, the gate of frozen sensors, and `tolerated`.
 
-    `gate` is in the unit of each sensor without a group, by name. With `at_rest` a `probe` moves such a sensor at rest,
+    `gate` is in the unit of each sensor without a group, by name: a prediction that is nearer agrees. A code that
+    stands still while its prediction moves by more than `frozen` is frozen; without one that is the gate, and noise
+    needs more (`frozen_gate`). With `at_rest` a `probe` moves such a sensor at rest,
     and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its
     reading is inside `travel`; at an end, a stop may hold it. A reading further than `jump` from its prediction has
     jumped (`jump_gate`); without one no jump is looked for. Where the distance from its prediction has grown since
@@ -138,6 +149,11 @@ class Decision:
     jump: Mapping[str, float] = field(default_factory=dict)
     wide_jump: Mapping[str, float] = field(default_factory=dict)
     wide_frozen: Mapping[str, float] = field(default_factory=dict)
+    frozen: Mapping[str, float] = field(default_factory=dict)
+
+    def frozen_from(self, name: str) -> float:
+        """Return the predicted motion beyond which an unchanged code of a sensor without a relation is frozen."""
+        return self.frozen.get(name, self.gate[name])
 
     def longest(self, single: bool) -> int:
         """Return the largest count of samples without a change, of a sensor of a group or of a `single` one."""
@@ -147,6 +163,9 @@ class Decision:
         """Raise SignalError unless a sensor without a relation has a gate, a travel, and no other gate below it."""
         if not self.gate.get(name, 0) > 0 or name not in self.travel:
             raise SignalError(f"sensor '{name}' is in no relation and has no gate or travel: give both")
+        if self.frozen_from(name) < self.gate[name]:
+            gate = self.gate[name]
+            raise SignalError(f"a code of '{name}' is frozen above {self.frozen[name]}, its gate {gate}: give no less")
         if self.jump.get(name, self.gate[name]) < self.gate[name]:
             jump, gate = self.jump[name], self.gate[name]
             raise SignalError(f"a jump of '{name}' is above {jump}, its gate {gate}: give no less")
@@ -158,7 +177,7 @@ class Decision:
     def numbers(self, signals: Mapping[str, Signal], relations: Sequence[Relation]) -> list[Constant]:
         """Return the numbers of the groups that the C names."""
         units = (signals[next(iter(r.weights))].unit for r in relations)
-        numbers = [n for i, unit in enumerate(units) for n in numbers_of_relation(unit, i, relations[i].threshold)]
+        numbers = [n for i, unit in enumerate(units) for n in numbers_of_relation(unit, i, relations[i])]
         groups = dict.fromkeys(len(r.weights) - 1 for r in relations)
         others = (
             Constant(f"all_but_one_of_{n + 1}", n, "1", "sensors of a group but one", ("moving",)) for n in groups
@@ -178,7 +197,9 @@ class Decision:
         """Return the numbers of the monitor of a sensor that the C names."""
         n, unit, at = sensor.name, sensor.unit, "end of the travel, where a stop may hold it"
         far = "from the prediction: no acceleration of the machine explains it"
-        numbers = [Constant("gate", self.gate[n], unit, "predicted motion in which a working code changes")]
+        moved = "predicted motion in which a working code changes"
+        numbers = [Constant("gate", self.gate[n], unit, "an agreeing prediction is nearer" if self.frozen else moved)]
+        numbers += [Constant("frozen_gate", self.frozen[n], unit, moved)] if n in self.frozen else []
         numbers += [Constant("jump", self.jump[n], unit, far)] if n in self.jump else []
         grown = "growth of the distance to the prediction that needs no earlier agreement: of a code that"
         numbers += [Constant("wide_jump", self.wide_jump[n], unit, f"{grown} changes")] if n in self.wide_jump else []
@@ -225,6 +246,41 @@ def jump_gate(gate: float, acceleration: float, resolution: float, period: float
     return gate + period * sqrt(2 * gate * acceleration) + acceleration * period**2 / 2 + resolution
 
 
+@arguments.checked
+def frozen_gate(gate: float, resolution: float, noise: float, chance: float = 1e-9) -> float:
+    """Return the predicted motion d in which the code of a sound sensor repeats with a `chance`, at least its `gate`.
+
+    It repeats m = FRESH times where the white noise of m + 1 samples, with the standard deviation sigma, `noise`, is
+    opposite to a uniform motion, so that all readings are in one count q. Averaged over the place u in a count that is
+
+        P(d) = integral of prod_k (F(u_k + q/2) - F(u_k - q/2)) du / q,   u_k = u + d (k/m - 1/2), k = 0 .. m
+
+    with the distribution F of the noise. A larger motion, and a longer repetition, is less probable.
+
+    Raises SignalError for a negative or infinite value, or a chance outside 0 .. 1.
+    """
+    for name, value in {"gate": gate, "resolution": resolution, "noise": noise}.items():
+        if not 0 <= value < inf:
+            raise SignalError(f"gate of frozen codes: the {name} is {value}: give a finite number of at least 0")
+    if not 0 < chance < 1:
+        raise SignalError(f"gate of frozen codes: the chance is {chance}: give one between 0 and 1")
+    if not (noise and resolution):
+        return gate
+    F, reach = NormalDist(0.0, noise).cdf, 6 * noise + resolution
+    places = [reach * (2 * i / PLACES - 1) for i in range(PLACES + 1)]
+
+    def probability(d: float) -> float:
+        at = ([u + d * (k / FRESH - 0.5) for k in range(FRESH + 1)] for u in places)
+        inside = (prod(F(v + resolution / 2) - F(v - resolution / 2) for v in each) for each in at)
+        return sum(inside) * 2 * reach / PLACES / resolution
+
+    low, high = 0.0, 2 * (reach + resolution * FRESH)
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if probability(middle) > chance else (low, middle)
+    return max(gate, high)
+
+
 def count(flag: ca.SX, counted: ca.SX, most: int) -> ca.SX:
     """Return the next of a counter of samples in a row with a flag, which stays at `most`."""
     return ca.if_else(flag, ca.if_else(counted >= most, counted, counted + 1), 0)
@@ -250,12 +306,24 @@ def outputs(sensors: Sequence[Signal], grouped: Sequence[Signal]) -> list[Signal
 def states(grouped: Sequence[Signal], relations: Sequence[Relation], decision: Decision) -> list[State]:
     """Return the states of the sensors of groups, of the relations and of the whole."""
     declared = [state for s in grouped for state in _code(s, f"_{s.name}", decision.longest(False))]
-    for i in range(len(relations)):
+    for i, relation in enumerate(relations):
+        if relation.gain:
+            unit, most = grouped[0].unit, 1.01 * _largest_residual(grouped, relation)
+            last = Signal(f"last_residual_{i}", unit, -most, most, "of the parity relation one sample ago")
+            low, high = 0.999 * relation.threshold**2, 1.001 * relation.largest**2
+            bound = Signal(f"bound_{i}", f"{unit}^2", low, high, "largest residual without a fault, squared")
+            declared += [State(last, 0.0), State(bound, relation.largest**2)]
         samples = Signal(f"contradictions_{i}", "1", 0, decision.undecided, "samples in a row")
         declared.append(State(samples, 0, True))
         declared.append(State(_flag(f"stuck_{i}", "the excluded sensor stood still"), 0, True))
         declared.append(State(_flag(f"undecided_{i}", "which sensor is wrong is not known"), 0, True))
     return [*declared, State(_flag("degraded", "a sensor was a suspect or is excluded, until init"), 0, True)]
+
+
+def _largest_residual(grouped: Sequence[Signal], relation: Relation) -> float:
+    ranges = {s.name: (s.low, s.high) for s in grouped}
+    ends = [(w * ranges[n][0], w * ranges[n][1]) for n, w in relation.weights.items()]
+    return max(abs(sum(min(pair) for pair in ends)), abs(sum(max(pair) for pair in ends)))
 
 
 def inputs_of_monitor(sensor: Signal, is_probed: bool, missed_calls: Signal | None) -> list[Signal]:

@@ -37,6 +37,25 @@ def test_the_gap_encoders_of_the_maglev_stage_are_redundant_and_x_and_z_are_not(
     assert abs(sum(w * float(outputs[GAPS[n]][0]) for n, w in relation.weights.items())) < 1e-16
 
 
+def test_noise_raises_the_threshold_by_the_mean_squared_change_of_the_residual() -> None:
+    """White noise of one count, rounded to counts: the mean square measures it, and few samples are beyond."""
+    K, chance = 3.290527, 1e-3
+    known = dict.fromkeys(GAPS, parity.Tolerance(1e-5, 7e-6, noise=1e-5))
+    (relation,) = parity.relations(maglev_stage.plant(), GAPS, known, chance)
+    assert relation.threshold == pytest.approx(48e-6)  # of a quiet machine, as without noise
+    rng, signs = np.random.default_rng(1), np.array([*relation.weights.values()])
+    places = rng.uniform(-0.5, 0.5, (4, 1))  # counts
+    r = signs @ (1e-5 * (np.round(places + rng.normal(0.0, 1.0, (4, 400_000))) - places)) + 28e-6
+    bound = relation.threshold**2 + relation.gain * np.mean(np.diff(r) ** 2)
+    assert np.sqrt(bound) == pytest.approx(relation.largest, rel=0.01)
+    beyond = np.mean(r > relation.largest)
+    assert 0 < beyond < chance / 2  # of both ends; the offsets are at one
+    assert np.mean(r > relation.threshold) > 100 * beyond  # the planted defect: a threshold without the noise
+    s = np.linspace(0.0, 50e-6, 1001)
+    excess = np.sqrt(relation.threshold**2 + relation.gain * 2 * s**2) - (28e-6 + K * s)
+    assert excess.min() == pytest.approx(0.0, abs=1e-9) and excess[0] == pytest.approx(20e-6)
+
+
 def test_without_one_gap_encoder_no_relation_is_left() -> None:
     three = {n: GAPS[n] for n in ("y1", "y2", "y3")}
     assert parity.relations(maglev_stage.plant(), three, tolerances(three)) == ()

@@ -11,7 +11,7 @@ from synth.analyse.structure.parity import Relation
 from synth.block import Block, Constant
 from synth.blocks.estimate import predictor
 from synth.blocks.faults import innovation_monitor, landing, probe, redundancy
-from synth.blocks.faults.redundancy_decision import jump_gate
+from synth.blocks.faults.redundancy_decision import FRESH, frozen_gate, jump_gate
 from synth.composition import compose
 from synth.fault import BRAKING_BIT
 from synth.signals import Signal, signal_names
@@ -214,6 +214,20 @@ def test_the_gate_of_jumps_is_what_a_wrong_acceleration_adds_in_a_sample() -> No
     gate, e = 40e-6, 53.0
     t = np.sqrt(2 * gate / e)
     assert jump_gate(gate, e, 1e-5, T) == pytest.approx(e * (t + T) ** 2 / 2 + 1e-5)
+
+
+def test_the_gate_of_frozen_codes_is_seldom_reached_by_the_noise_of_a_moving_sensor() -> None:
+    """Codes of one count repeat while the body moves, by noise: so far in a share of the samples below the chance."""
+    sigma, q, chance = 1.0, 1.0, 1e-4
+    gate, rng, n = frozen_gate(0.1, q, sigma, chance), np.random.default_rng(1), 400_000
+    assert frozen_gate(0.1, q, 0.0) == 0.1 and frozen_gate(9.0, q, sigma, chance) == 9.0
+
+    def repeats(distance: float) -> float:
+        k = np.arange(FRESH + 1)[:, None] / FRESH
+        codes = np.round(distance * k + rng.uniform(-0.5, 0.5, n) + rng.normal(0.0, sigma, (FRESH + 1, n)))
+        return float(np.mean((codes == codes[0]).all(axis=0)))
+
+    assert repeats(gate) == pytest.approx(chance, rel=0.3) and repeats(gate / 2) > 10 * chance
 
 
 W, ERROR = Signal("w", "m/s^2", -9.0, 9.0), Signal("e", "m", -1.0, 1.0)

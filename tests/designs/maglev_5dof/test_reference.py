@@ -221,7 +221,7 @@ class TestDiscretisation:
 
 class TestGuard:
     def test_ranges(self) -> None:
-        """Motor gaps over the box of gap and angles; twice the stroke; the box less 20 um at a motor."""
+        """Motor gaps over the box of gap and angles; twice the stroke; the box less 50 um at a motor."""
         assert reference_stage.LIMITS == {
             "y1": (0.0168, 0.0322),
             "y2": (0.0124, 0.0366),
@@ -229,11 +229,11 @@ class TestGuard:
             "y4": (0.0124, 0.0366),
             "x": (-0.1, 0.1),
             "z": (-0.1, 0.1),
-            "y_ref": (0.018 + 20e-6, 0.031 - 20e-6),
-            "x_ref": (-0.05 + 20e-6, 0.05 - 20e-6),
-            "z_ref": (-0.05 + 20e-6, 0.05 - 20e-6),
-            "phi_ref": (-0.003 + 20e-6 / 0.397, 0.003 - 20e-6 / 0.397),
-            "theta_ref": (-0.014 + 20e-6 / 0.397, 0.014 - 20e-6 / 0.397),
+            "y_ref": (0.018 + 50e-6, 0.031 - 50e-6),
+            "x_ref": (-0.05 + 50e-6, 0.05 - 50e-6),
+            "z_ref": (-0.05 + 50e-6, 0.05 - 50e-6),
+            "phi_ref": (-0.003 + 50e-6 / 0.397, 0.003 - 50e-6 / 0.397),
+            "theta_ref": (-0.014 + 50e-6 / 0.397, 0.014 - 50e-6 / 0.397),
         }
 
     def test_no_kick_before_the_first_good_sample(self) -> None:
