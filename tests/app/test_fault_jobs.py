@@ -126,7 +126,7 @@ def test_a_design_without_a_loop_is_refused() -> None:
         fault_jobs.parts(design, 1)
 
 
-def test_the_measured_safe_output_goes_to_header_and_manifest(
+def test_the_measured_safe_output_goes_to_datasheet_and_manifest(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Written, read and quoted; the runs do not depend on what is quoted."""
@@ -142,8 +142,7 @@ def test_the_measured_safe_output_goes_to_header_and_manifest(
     assert measured.text() in " ".join(capsys.readouterr().out.split())
     quoting = replace(design, safe_output=measured)
     files = standard_tasks.emit(quoting, design.scalar)[NAME]
-    comment = " ".join(files.files[f"{NAME}.h"].replace(" * ", " ").split())
-    assert all(clause in comment for clause in measured.text().split("; "))
+    assert all(clause in files.files[f"{NAME}.md"] for clause in measured.text().split("; "))
     assert measured.text() in files.manifest["safety"]["safe_output_effect"]
     parts = fault_jobs.losses(design, 2)
     assert fault_jobs.safe_output(quoting, parts) == measured

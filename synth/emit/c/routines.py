@@ -76,9 +76,14 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
     """Return the types, the parameters and the functions of all routines."""
     lines: list[Line] = []
     explained: set[str] = set()
+    inside = {
+        name: p.titles.get(call.block, call.block)
+        for call in p.calls.values()
+        for name in calls.calls_by_routine(call.routine.program)
+    }
     for used in calls.calls_by_routine(p).values():
         routine = used[0].routine
-        constants, start = {c.name: c for c in block.constants}, len(lines)
+        constants = {c.name: c for c in block.constants}
         if routine.parameters and not routine.by_value:
             lines += map(Line, _parameters(block, routine, used, constants, layout))
         if len(routine.results) > 1:
@@ -91,10 +96,12 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
         first = used[0].block if used[0].block not in explained else ""
         explained |= {c.block for c in used}
         lines += map(Line, opening(text, p.notes.get(first, ())))
-        lines[start:start] = map(Line, parameters(block, routine.program, layout))
         lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
+        passed = [f"    {text}" for text in parameters(block, routine.program, layout).values()]
+        lines += map(Line, [*passed, *([""] if passed else [])])
         lines += map(Line, _common_constants(routine, constants, layout))
-        lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]
+        tag = prose(inside.get(routine.name, titles[0]))  # what a function of a law computes is its Block's
+        lines += [*printer.routine(block, routine, tag, layout.scalar), Line("}"), Line("")]
     return lines
 
 

@@ -24,7 +24,9 @@ from tests import ceilings, tools
 GENERATED = Path(__file__).parents[3] / "generated_c"
 LIMIT = 1.2 * 2295  # instructions of two sensors: at most a fifth more than with its normal equations written out
 # The least pivot of the yaw is the weight of its prior; the data add squares to it, so that nothing is below it.
-LEAST_PIVOT = re.compile(r"_max\(\(rows_1_3\w* \* rows_1_3")
+# Each of the three solutions has it once; its line is that of the function `max`.
+LEAST_PIVOT = re.compile(r"estimator(_iteration)?\b.* return \(a > b\) \? a : b;")
+SOLUTIONS = 3
 # gcc copies a decision into each path that leads to it, where part of it is decided, and a limit into each place that
 # has one, where only rounding comes beyond it. Without copies each decision of the text is there once.
 ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))
@@ -81,7 +83,8 @@ def test_the_sequences_search_restart_and_converge() -> None:
 def test_every_decision_is_seen_both_ways() -> None:
     candidate = meter.emitted_source(subject(config.NAME).emitted)
     coverage = meter.coverage(candidate, meter.run(candidate, subject(config.NAME).every(THIN), ONCE), ONCE)
-    assert coverage.decisions > 50 and [line for line in coverage.missing if not LEAST_PIVOT.search(line)] == []
+    assert coverage.decisions > 50 and len(coverage.missing) <= SOLUTIONS
+    assert [line for line in coverage.missing if not LEAST_PIVOT.search(line)] == []
 
 
 @pytest.mark.parametrize(("name", "build"), ceilings.builds(config.NAME))

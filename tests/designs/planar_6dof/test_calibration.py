@@ -40,9 +40,9 @@ def test_errors_of_the_channels_turn_the_platen_and_set_no_bit(
     assert low <= abs(run["phi"][-400:].mean()) <= high and not run.faults.any()
 
 
-def test_the_header_says_so() -> None:
-    notes = " ".join(leadlag.DESIGN.header_notes)
+def test_header_and_datasheet_say_so() -> None:
+    notes, further = (" ".join(of) for of in (leadlag.DESIGN.header_notes, leadlag.DESIGN.datasheet_notes))
     assert "to 0.2 % and its offset to 2 mV" in notes and "up to 6 mrad" in notes
-    assert "With 0.5 % and 5 mV it turns by up to 15 mrad" in notes
+    assert "off by 0.5 % and its offset by 5 mV the platen turns by up to 15 mrad" in further
     assert (interface.HALL_GAIN_ERROR, interface.HALL_OFFSET) == (5e-3, 5e-3)
     assert abs(rest_at_the_worst_place(lqg, 1.0)["phi"]).max() > 20e-3

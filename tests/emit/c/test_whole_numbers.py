@@ -19,7 +19,7 @@ BARE = re.compile(r"(?<![\w.])(?:[2-9]|\d{2,})u\b")
 DECLARATION = re.compile(r"static const uint32_t \w+ = \d+u; +/\* \S.*; .+ \*/|static const uint32_t \w+ = \d+u;$")
 # `estimator_residual_faults`, which names no threshold
 # of the last two, which sensor competes
-KNOWN = {"hall_position": 1, "hall_position_three": 1, "hall_position_four": 2}
+KNOWN = {"hall_position": 1}
 PATIENCE = Constant("patience", 3, "1", "samples until it gives up", ("left",))
 X, Y = Signal("x", "m", -1, 1), Signal("y", "m", -1, 1)
 

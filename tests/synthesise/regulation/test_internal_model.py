@@ -260,7 +260,7 @@ def copy(frequencies: Sequence[float]) -> Block:
 
 def test_the_c_shows_the_period_in_s() -> None:
     text = write.emit(copy([0.0]), np.float32).files["copy.c"]
-    assert re.search(r"next_xi1_from_e = 0\.001f; +/\* s; ", text)
+    assert re.search(r"next_xi1_from_e = 0\.001f; +/\* s \*/", text)
 
 
 def test_every_constant_of_the_recursion_is_in_a_power_of_s() -> None:

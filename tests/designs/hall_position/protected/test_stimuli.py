@@ -23,14 +23,15 @@ GENERATED = Path(__file__).parents[4] / "generated_c"
 ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))  # as in test_stimuli of two sensors
 THIN, POSES, MOST = 400, 20_000, 27  # steps of a sequence; poses; decisions that are not seen both ways
 UNREACHED = {
-    "information in the dynamic range": r"in_range|passes = ",
+    "information in the dynamic range": r"in_range|passes = |\)\) && decides",
     "amplitude resolved": r"deviation_amplitude|variance_amplitude",
     "chi-square below 1e9": r"float chi_square = ",
     "least pivots of the solution": r"(inverse|diagonal)_\w+ = 1\.0f / \w+_max\(|_max\(left_3_3 .*, least_pivot_yaw\)",
-    "least pivots of a hypothesis": r"gain_\w+ = 1\.0f / \w+_max\(|_max\(1\.0f - |detectable|\(gain_\d < ",
+    "least pivots of a hypothesis": r"gain_\w+ = 1\.0f / \w+_max\(|_max\(1\.0f - |detectable|gain(_\d)? < largest_gain",
     "a level without one sensor beyond its limit, where that before it is not": r"left_\d_\d\w* <= ",
     "places beyond the range along Y alone": r"bool valid = .*fabsf\(count_y\)",
-    "a number of an excluded sensor above the last one, or below 0": r"= \w+_equal\(x_excluded, ",
+    "a number of an excluded sensor above the last one, or below 0": r"= \w+_equal\(x_excluded, |if \(!none\)",
+    "the last start once more, on a path that knows it: the case itself is taken": r"\(last\) \? 0u|!last \|\| unique",
     "sums of squares, below 0 by rounding only": r"_(part|limited)\w* = \w+_max\(0\.0f, |(full|chi).* = \w+_max\(",
     "a limit of chi-square beyond the largest one": r"_min\(inverse_channel_variance \* ",
 }
