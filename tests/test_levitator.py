@@ -53,7 +53,7 @@ def test_build_writes_c_evidence_and_report(workspace: Path) -> None:
     assert built["design"] == NAME and built["checks"] > 50 and built["failed"] == []
     folder = workspace / "generated_c" / NAME
     assert {p.name for p in folder.iterdir()} == {
-        *(f"{NAME}.c", f"{NAME}.h"),
+        *(f"{NAME}.c", f"{NAME}.h", f"{NAME}.md"),
         *("manifest.json", "gains.json", "vectors.json"),
     }
     page = (workspace / "reports" / f"{NAME}.html").read_text(encoding="utf-8")

@@ -156,7 +156,7 @@ def freeze_tilted(rig: Rig, plant: int, name: str) -> campaign.FaultRun:
 def test_a_frozen_gap_encoder_of_which_another_one_was_accused_first_is_found_in_the_landing() -> None:
     """At rest predictions follow the frozen code; only while the platen lands does it stand still alone."""
     rig = campaign.with_stops(standard_tasks.rig(DESIGN, DESIGN.scalar))
-    planted = with_defect(rig, "(excluded_y3 != 0u) && !readmitted_y3", "excluded_y3 != 0u")
+    planted = with_defect(rig, "(excluded_y3 != 0u) && !redundancy_output_2->readmitted_y3", "excluded_y3 != 0u")
     assert max(freeze_tilted(rig, 16, "y2").impacts.values()) < 0.06  # m/s, rad/s
     assert freeze_tilted(planted, 16, "y2").impacts["y"] > 0.3  # m/s
 

@@ -67,8 +67,8 @@ def measure_three() -> Row:
 def with_loop(emitted: EmittedCode) -> EmittedCode:
     """Return the C with a loop before it returns."""
     name = f"{THREE}.c"
-    loop = f"    for (volatile int k = 0; k < {TURNS}; ++k) {{}}\n    return faults;"
-    planted = emitted.files[name].replace("    return faults;", loop)
+    loop = f"    for (volatile int k = 0; k < {TURNS}; ++k) {{}}\n    return fault_word;"
+    planted = emitted.files[name].replace("    return fault_word;", loop)
     assert planted.count("volatile int k") == 1
     return replace(emitted, files={**emitted.files, name: planted})
 
