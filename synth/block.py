@@ -104,7 +104,7 @@ class Block:
     `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
     a latch. `numbers` are those in the expressions that C names and `notes` sentences that it has, by the name of their
     Block, `labels` the names of expressions, and `functions` those for which the C has one, after the name of their
-    Block. `failures` are rows of the header's table.
+    Block. `failures` are rows of the datasheet's table.
     """
 
     name: str

@@ -305,7 +305,7 @@ class _Printer:
         reads_array = any(re.search(rf"\b{name}\b", text) for name in arrays)
         if len(lines) < LONG or len(assigned) > 1 or any(" = " in m[0] for m in assigned) or reads_array:
             return lines
-        name, pointers = self.block.name, dict(self._pointers())
+        name, pointers = self.block.name, self._pointers()
         structs = [m[2] for m in outside if m[1].startswith(name)]
         passed = [m for m in outside if m not in assigned]
         types = [f"const {m[1]} *{m[2]}" if m[2] in structs else f"{m[1]} {m[2]}" for m in passed]
