@@ -187,7 +187,7 @@ def test_it_compiles_under_the_strict_flags(emitted: EmittedCode) -> None:
 
 
 def assembly(files: dict[str, str]) -> str:
-    return compiler.build(files, ["-std=c99", "-O2", "-S"], "stage.s", compiler.find_compiler()).read_text()
+    return compiler.build(files, ["-std=c99", "-O2", "-g0", "-S"], "stage.s", compiler.find_compiler()).read_text()
 
 
 def test_without_the_macro_nothing_is_left_of_it(emitted: EmittedCode) -> None:
