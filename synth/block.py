@@ -104,7 +104,8 @@ class Block:
     `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
     a latch. `numbers` are those in the expressions that C names and `notes` sentences that it has, by the name of their
     Block, `labels` the names of expressions, and `functions` those for which the C has one, after the name of their
-    Block. `failures` are rows of the datasheet's table.
+    Block. `failures` are rows of the datasheet's table, `tunable` states that hold
+    constants, which change between steps alone, in `ramp` samples (`stage.tunable`).
     """
 
     name: str
@@ -125,6 +126,8 @@ class Block:
     failures: tuple[Failure, ...] = ()
     notes: tuple[tuple[str, str], ...] = ()
     functions: tuple[laws.Function, ...] = ()
+    tunable: tuple[str, ...] = ()
+    ramp: int = 0
 
     def __post_init__(self) -> None:
         identifier("block", self.name)
@@ -147,7 +150,9 @@ class Block:
         for c, rounded in zip(self.constants, constants, strict=True):
             if c.value and not rounded.value:
                 raise SignalError(f"constant '{c.name}' is {c.value:g}, which is 0 in {np.dtype(scalar)}: scale it")
-        return replace(self, constants=constants)
+        held = {*self.tunable}
+        states = (replace(s, initial=float(scalar(s.initial))) if s.name in held else s for s in self.states)
+        return replace(self, constants=constants, states=tuple(states))
 
     def renamed(self, names: Mapping[str, str]) -> "Block":
         """Return the Block with inputs and outputs renamed, old name to new; other names stay."""

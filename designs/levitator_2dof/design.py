@@ -14,7 +14,7 @@ from synth import stage
 from synth.analyse import operating_points
 from synth.blocks.laws import axis
 from synth.declare.experiments import Conditions, Hold, LiftOff, Sine, StepResponse, Track
-from synth.declare.tuning import FreeParameter, Tuning
+from synth.declare.tuning import Bench, FreeParameter, Tuning
 from synth.stage import Actuator, FaultCampaign, FaultLimit, Sensor, SetPoint, StudyLimits
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
@@ -114,6 +114,6 @@ DESIGN = stage.design(
     ),
     safe_output=stage.read_safe_output(Path(__file__).with_name("safe_output.json")),
     most_instructions=600,  # of a sample on a Cortex-M4F
-    tuning=Tuning(FREE, controller, require={"disk_margin": 0.4}),
+    tuning=Tuning(FREE, controller, require={"disk_margin": 0.4}, bench=Bench({"damping_z": (5e2, 2e3)})),
     about=__doc__,
 )

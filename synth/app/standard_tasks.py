@@ -28,6 +28,7 @@ from synth.simulate import experiments
 from synth.simulate import rig as rigs
 from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
+from synth.stage import tunable
 from synth.verify import standard, stimuli
 from synth.verify.steps import Steps
 
@@ -86,7 +87,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
 
 def with_casadi_c(stage: Stage, folders: Mapping[str, EmittedCode]) -> dict[str, EmittedCode]:
     """Return emitted files by folder with CasADi's own C of each Block in place of the emitted .c."""
-    blocks = {stage.name: stage.controller.block} | {c.name: c.block for c in stage.companions}
+    blocks = {stage.name: tunable.shipped(stage)} | {c.name: c.block for c in stage.companions}
     errors = {np.dtype(t).name: error for t, error in stage.surrogate_error.items()}
     return {n: write.with_casadi_c(e, blocks[n], errors.get(e.manifest["scalar"])) for n, e in folders.items()}
 
@@ -144,7 +145,7 @@ def _call_order(stage: Stage) -> list[str]:
 
 def _with_measured_safe_output(stage: Stage) -> Block:
     """Return the controller's Block, with the measured effect of the safe output appended to that declared."""
-    block = stage.controller.block
+    block = tunable.shipped(stage)
     block = replace(block, failures=with_reactions(block.failures, stage.reactions, stage.used_instead))
     if stage.safe_output is None or block.safety is None:
         return block

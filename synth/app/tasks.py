@@ -29,6 +29,7 @@ from synth.report.audit import Row
 from synth.simulate.experiments import Experiment
 from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.study import StudyTable
+from synth.stage import tunable
 from synth.verify import standard
 from synth.verify.cost import Cost
 from synth.verify.suite import Evidence
@@ -167,7 +168,7 @@ def brief_cost(stage: Stage) -> Task[Cost | None]:
         files = emission(stage, stage.scalar).result(silent)[stage.name]
         say("cost")
         inputs = standard_tasks.replay_inputs(stage, host.load(files.files, files.manifest))
-        return _with_law_alone(stage, meter.brief(files, stage.controller.block, inputs), inputs)
+        return _with_law_alone(stage, meter.brief(files, tunable.shipped(stage), inputs), inputs)
 
     return Task("cost", compute, (meter.brief, *_of_cost(stage)))
 
@@ -196,7 +197,7 @@ def whole_cost(stage: Stage) -> Task[Cost]:
         files = emission(stage, np.float32).result(say)[stage.name]
         controller = host.load(files.files, files.manifest)
         sequences = standard_tasks.cost_sequences(stage, controller, say)
-        cost = meter.measure(files, stage.controller.block, sequences, say)
+        cost = meter.measure(files, tunable.shipped(stage), sequences, say)
         return _with_law_alone(stage, cost, standard_tasks.replay_inputs(stage, controller))
 
     return Task("cost", compute, (meter.measure, *_of_cost(stage)))

@@ -53,6 +53,7 @@ def prepare(stage: Stage, plan: Plan) -> Search:
     study_jobs.stage_of(stage)
     if stage.tuning is None:
         raise DesignError(f"design '{stage.name}' declares no tuning: give `tuning=Tuning(free=.., controller=..)`")
+    stage = replace(stage, tuning=replace(stage.tuning, bench=None))  # candidates have constants of their own
     names = tuple(stage.tuning.experiments)
     rig = standard_tasks.rig(stage, stage.scalar)
     _require_declared_values(stage, stage.tuning)

@@ -54,6 +54,17 @@ class FreeParameter:
         return (self.value - self.low) / (self.high - self.low)
 
 
+@dataclass(frozen=True)
+class Bench:
+    """Free parameters that are tuned on the running machine, each within `ranges`: {name: (low, high)}.
+
+    The constants of the law that follow from them move to new values over `ramp_s` seconds.
+    """
+
+    ranges: Mapping[str, tuple[float, float]]
+    ramp_s: float = 0.1
+
+
 @dataclass(frozen=True, eq=False)
 class Tuning:
     """What `synth tune` may change, and what it shall reach.
@@ -66,6 +77,7 @@ class Tuning:
     points       operating points at which the search computes margins, at all corners of the tolerances and in all
                  cases; all of them without. The certificate has all
     require      least margins beyond those of the stage; `disk_margin` is that of all actuators and sensors at once
+    bench        which of them may change on the running machine: the C then takes the constants that follow
     """
 
     free: Sequence[FreeParameter]
@@ -74,6 +86,20 @@ class Tuning:
     points: Sequence[str] = ()
     goals: Mapping[str, float] = field(default_factory=dict)
     require: Mapping[str, float] = field(default_factory=dict)
+    bench: Bench | None = None
+
+    def __post_init__(self) -> None:
+        """Check the ranges of the bench."""
+        free = {f.name: f for f in self.free}
+        for name, (low, high) in (self.bench.ranges if self.bench else {}).items():
+            if name not in free:
+                raise SignalError(f"the bench tunes '{name}', which is no free parameter: name some of {', '.join(free)}")
+            f = free[name]
+            if not f.low <= low <= f.value <= high <= f.high or low == high:
+                raise SignalError(
+                    f"the bench tunes '{name}' within {low} .. {high} {f.unit}: give a range within {f.low} .. {f.high} "
+                    f"that holds the declared value {f.value}"
+                )
 
 
 @dataclass(frozen=True)

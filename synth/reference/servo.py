@@ -76,12 +76,13 @@ class Gains:
 
 @dataclass(frozen=True)
 class Command:
-    """The command u, the position a sample later, and eta+ without the excess and x~+ = x^(k+1) as rows."""
+    """The command u, the position a sample later, as rows eta+ without the excess and x~+ = x^(k+1), and E."""
 
     u: Array
     position: Array
     eta: Array
     prediction: Array
+    E: Sequence[Array]
 
 
 def weight_of_modes(modes: Sequence[tuple[float, float]], weight: float) -> Matrix:
@@ -169,17 +170,38 @@ def command(axis: Servo, y: Array, r: Array, state: Columns, bounds: Bounds) -> 
     q = np.where(started, q, np.clip(q + y, *bounds[names[m]]))  # 0 after init: rests at y
     now = np.stack([q, *rates]) + along(k.M, y - q)
     prediction = along(k.A, *now) + along(k.B, late)
-    at_rest = -(k.on_x[0, 0] + k.on_r[0, 0]) / k.on_eta[0, 0] * y
+    changed = tuned(axis, state)
+    at_rest = changed.get(("start_sum", "y"), -(k.on_x[0, 0] + k.on_r[0, 0]) / k.on_eta[0, 0]) * y
     eta[0] = np.where(
         started, eta[0], np.clip(eta[0] + at_rest, *bounds[names[0]])
     )  # no command, with the set-point at y
-    u = (along(k.on_x, *now) + along(k.on_late, late) + along(k.on_eta, *eta))[0] + k.on_r[0, 0] * r
-    return Command(u, prediction[0], along(k.propagate, *eta) + along(k.drive, y - r), prediction)
+    on_y = (k.on_x @ k.M)[0, 0]  # of y - C x~
+    on_q = k.on_x[0] - on_y * np.eye(len(now))[0]
+    factors = [*k.on_eta[0], *on_q, k.on_late[0, 0], on_y, k.on_r[0, 0]]
+    columns = zip([*axis.states, "y", "r"], [*eta, q, *rates, late, y, r], factors, strict=True)
+    u = np.sum(np.broadcast_arrays(*(changed.get(("u", n), factor) * value for n, value, factor in columns)), axis=0)
+    E = [changed.get((f"next_{n}", "excess"), e) for n, e in zip(axis.states, k.E[:, 0], strict=False)]
+    return Command(u, prediction[0], along(k.propagate, *eta) + along(k.drive, y - r), prediction, E)
+
+
+def tuned(axis: Servo, state: Columns) -> dict[tuple[str, str], Array]:
+    """Return the gains that change on the machine, states ``servo_<name>_<row>_from_<column>``, by row and column.
+
+    Rows are u, start_sum, and ``next_<state>`` of eta; columns are states, y, r, and excess.
+    """
+    found = {}
+    for name in state:
+        row, of, column = name.removeprefix(f"servo_{axis.name}_").partition("_from_")
+        if name.startswith(f"servo_{axis.name}_") and of:
+            ends = {f"{axis.name}_held": "y", f"{column.removesuffix('_excess')}_excess": "excess"}
+            column = ends.get(column, column if column in axis.states else "r")
+            found[row if row.startswith(("start_", "next_")) else "u", column] = np.asarray(state[name], np.float64)
+    return found
 
 
 def next_state(axis: Servo, after: Command, made: Array, excess: Array, bounds: Bounds) -> dict[str, Array]:
     """Return the next states by name, within their bounds; the actuator has `made` the command but for an `excess`."""
-    eta = after.eta + along(gains(axis).E, excess)
+    eta = [of + factor * excess for of, factor in zip(after.eta, after.E, strict=True)]
     values = dict(zip((f"servo_{axis.name}_{n}" for n in axis.states), [*eta, *after.prediction, made], strict=True))
     bounded = {n: np.clip(value, *bounds[n]) for n, value in values.items()}
     return bounded | {f"servo_{axis.name}_started": np.ones_like(after.u)}

@@ -190,6 +190,7 @@ def reference(step: Callable[..., tuple[Columns, Columns, Any]], block: Block | 
     """Return a NumPy step(state, inputs) -> (state', outputs, faults) as a witness.
 
     A step with a third parameter `bounds` reads the declared ends (low, high) of each state of the `block` by name.
+    Constants that may change are among the states, and stay as they are.
 
     Calling it raises SignalError for a name that the step does not find, and for columns of another shape.
     """
@@ -211,7 +212,8 @@ def reference(step: Callable[..., tuple[Columns, Columns, Any]], block: Block | 
             raise SignalError(
                 f"the reference stops at {place}: {error}: states and inputs have the shape {shape}, compute in it"
             ) from error
-        return _step_results(results, shape)
+        held = {n: states[n] for n in (block.tunable if block else ())}
+        return _step_results((held | {**results[0]}, *results[1:]) if held else results, shape)
 
     return witness
 

@@ -25,6 +25,7 @@ from synth.simulate import rig as rigs
 from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
+from synth.stage import tunable
 from synth.verify import agree, drive, sampling, steps, stimuli, suite
 from synth.verify.agree import Agreement
 from synth.verify.steps import Steps
@@ -47,7 +48,7 @@ def witnesses(stage: Stage) -> Witnesses:
             f"design '{stage.name}' has no reference: give `reference`, a NumPy step (states, inputs) -> (states', "
             "outputs, fault words) written from the equations"
         )
-    return suite.witnesses(stage.controller.block, stage.reference, stage.surrogate_error)
+    return suite.witnesses(tunable.shipped(stage), stage.reference, stage.surrogate_error)
 
 
 @dataclass(frozen=True, eq=False)

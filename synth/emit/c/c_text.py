@@ -21,7 +21,7 @@ from textwrap import wrap
 import casadi as ca
 
 from synth.block import Block
-from synth.emit.c import diagnostics, routines
+from synth.emit.c import diagnostics, routines, tuning
 from synth.emit.c.expressions import constant, literal, mask
 from synth.emit.c.header import init_head, step_head
 from synth.emit.c.lines import Line, comment, opening, prose
@@ -110,8 +110,9 @@ def source(block: Block, program: Program, surrogates: Sequence[Surrogate], layo
     parts += ["#include <math.h>"] if symmetric or used & (LIBM | {"clamp"}) else []
     called = routines.functions(block, program, layout)
     compares = any(f"{block.name}_equal(" in line.text for line in (*called, *printed))
-    parts += ["#include <stdbool.h>"] if compares or "logical" in kinds(program) else []
-    parts += [*(["#include <stddef.h>"] if diagnostics.records(program) else []), *_refusals()]
+    parts += ["#include <stdbool.h>"] if compares or block.tunable or "logical" in kinds(program) else []
+    parts += [*(["#include <stddef.h>"] if diagnostics.records(program) else [])]
+    parts += [*(["#include <string.h>"] if block.tunable else []), *_refusals()]
     parts += _helpers(block.name, used, layout)
     if any("_flag(" in line.text for line in (*called, *printed) if "/*" not in line.text):
         parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
@@ -133,7 +134,7 @@ def source(block: Block, program: Program, surrogates: Sequence[Surrogate], layo
         pointers = head.partition("(")[2].removesuffix(")")
         pointers += f", {diagnostics.parameter(block, program)}"
         head = f"{routines.inline(block)} uint32_t {block.name}_body({pointers})"
-    step = [*_init(block, layout), "", head, "{", *shared]
+    step = [*_init(block, layout), "", *tuning.definitions(block, layout), head, "{", *shared]
     step += diagnostics.entry_statements(program)
     ending = diagnostics.exit_statements(block, program, body.lines[-1].text.removeprefix("    return ").rstrip(";"))
     last = ["}", *(["", *diagnostics.steps(block, step_head(block.name))] if observes else [])]

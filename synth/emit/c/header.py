@@ -10,7 +10,7 @@ from textwrap import wrap
 from synth.block import Block, Fault
 from synth.blocks.guard import missed_calls
 from synth.blocks.guard import safety as guards
-from synth.emit.c import diagnostics, routines
+from synth.emit.c import diagnostics, routines, tuning
 from synth.emit.c.lines import member, prose, rows
 from synth.emit.program.layout import Layout, Struct
 from synth.emit.program.lower import Program
@@ -45,6 +45,7 @@ def header(
             *("", "/* Put the state to its initial values. The caller owns it. */", f"{init_head(block.name)};", ""),
             *("/* Compute one sample: read `in`, write `out`, advance `state`.", *_faults(block), " */"),
             *(*rows(f"{step_head(block.name)};"), ""),
+            *tuning.declaration(block, layout),
             "/* What follows is for init and step alone: the state, by Block. */",
             "\n\n".join([*routines.state_structs(block, program, layout), _state(state, types)]),
             *("", "/* The layout is the same on every target. */", *_size_checks(block, layout), ""),
@@ -82,6 +83,7 @@ def _usage(
         *_safe_output(block),
         *_missed_calls(block),
         *notes,
+        *_tunable(block),
         f"The gains and numbers in {name}.c hold for one plant and one period: for other masses, geometry or magnets, "
         "or another period, generate the files again. gains.json says where each gain comes from.",
         *_observation(block, program),
@@ -90,6 +92,16 @@ def _usage(
     ]
     said = [row for text in texts for row in ("", *wrap(prose(text), WIDTH, break_on_hyphens=False))]
     return [f"/* {said[1]}", *(f" * {row}".rstrip() for row in said[2:]), " */"]
+
+
+def _tunable(block: Block) -> list[str]:
+    """Return how constants change while the law runs, of a Block with such ones."""
+    if not block.tunable:
+        return []
+    return [
+        f"{block.name}_tune changes {len(block.tunable)} constants of the law between two steps, within the ranges of "
+        f"{block.name}_parameters_t: over all of them the step keeps what is said here."
+    ]
 
 
 def _observation(block: Block, program: Program) -> list[str]:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import LATCH_BIT, Block, Constant, Fault
+from synth.emit.c import tuning
 from synth.emit.c.lines import Line
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.program.layout import Layout, Struct
@@ -45,6 +46,7 @@ def manifest(
         "numbers": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in numbers},
         "surrogates": [_surrogate(s) for s in surrogates],
         "diagnostics": dict(diagnostics),
+        **({"tuning": tuning.manifest_entry(block, layout)} if block.tunable else {}),
         "trace": _trace(source),
         "sha256": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()},
     }

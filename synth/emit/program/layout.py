@@ -1,4 +1,4 @@
-"""Memory layout of the three structs: members sorted by size, no padding, the same on every target.
+"""Memory layout of the structs: members sorted by size, no padding, the same on every target.
 
 The states of each Block with functions are a struct of their own within that of the states. With 8-byte scalars an
 explicit member `reserved` follows an odd number of 4-byte members of a struct.
@@ -59,12 +59,13 @@ class Struct:
 
 @dataclass(frozen=True)
 class Layout:
-    """The scalar type and the three structs."""
+    """The scalar type and the structs; `parameters` are those of a Block whose constants may change."""
 
     scalar: type[np.floating]
     input: Struct
     output: Struct
     state: Struct
+    parameters: Struct | None = None
 
     @property
     def ctype(self) -> str:
@@ -72,9 +73,9 @@ class Layout:
         return CTYPES[self.scalar]
 
     @property
-    def structs(self) -> tuple[Struct, Struct, Struct]:
-        """Input, output and state."""
-        return (self.input, self.output, self.state)
+    def structs(self) -> tuple[Struct, ...]:
+        """Input, output, state, and parameters where there are any."""
+        return (self.input, self.output, self.state, *([self.parameters] if self.parameters else []))
 
 
 def layout(block: Block, scalar: type[np.floating], parts: Mapping[str, str] = MappingProxyType({})) -> Layout:
@@ -87,11 +88,14 @@ def layout(block: Block, scalar: type[np.floating], parts: Mapping[str, str] = M
         raise EmitError(f"scalar type {scalar} cannot be emitted: choose numpy.float32 or numpy.float64")
     real, whole = CTYPES[scalar], "uint32_t"
     states = [(s.signal, whole if s.integer else real) for s in block.states]
+    tunable = [(s.signal, real) for s in block.states if s.name in block.tunable]
+    parameters = _struct(block.name, "parameters", [*tunable, (_CHECK, whole)], scalar) if tunable else None
     return Layout(
         scalar,
         _struct(block.name, "input", [(s, real) for s in block.inputs], scalar),
         _struct(block.name, "output", [(s, real) for s in block.outputs], scalar),
         _struct(block.name, "state", states or [(_EMPTY, whole)], scalar, parts),
+        parameters,
     )
 
 
@@ -103,6 +107,7 @@ def _rounded_bound(value: float, signal: Signal, scalar: type[np.floating]) -> f
     return bound
 
 
+_CHECK = Signal("check", "1", 0, 2**32 - 1, "of the bits of the others")
 _EMPTY = Signal("reserved", "1", 0, 1, "C knows no empty struct")
 
 

@@ -16,7 +16,7 @@ Source: Franklin, Powell, Workman, Digital Control of Dynamic Systems, chapter 1
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,24 +118,36 @@ def summary(parts: Sequence[LinearPart], scalar: str) -> list[str]:
 
 
 def linear_parts(program: Program, block: Block, scalar: type[np.floating]) -> tuple[LinearPart, ...]:
-    """Return the linear parts of the program of a Block, which has exact constants, in the order of its states."""
-    exact = _forms(program, {c.name: c.value for c in block.constants}, float)
-    rounded = _forms(program, {c.name: c.value for c in block.rounded(scalar).constants}, lambda v: float(scalar(v)))
-    nodes = {n.name: k for k, n in enumerate(program.nodes) if n.op == "state" and n.name not in program.integers}
-    signals = [s.signal for s in block.states if s.name in nodes]
+    """Return the linear parts of the program of a Block, which has exact constants, in the order of its states.
+
+    Constants that may change have their declared values.
+    """
+    nodes = (replace(n, op="constant") if n.name in block.tunable else n for n in program.nodes)
+    next_states = {name: k for name, k in program.next.items() if name not in block.tunable}
+    program = replace(program, nodes=tuple(nodes), next=next_states)
+    exact = _forms(program, _constants(block), float)
+    rounded = _forms(program, _constants(block.rounded(scalar)), lambda v: float(scalar(v)))
+    state_nodes = {n.name: k for k, n in enumerate(program.nodes) if n.op == "state" and n.name not in program.integers}
+    signals = [s.signal for s in block.states if s.name in state_nodes]
     declared = {s.name: s for s in (*block.inputs, *signals)}
     named = {k: declared[n.name] for k, n in enumerate(program.nodes) if n.name in declared}
     named |= {k: mark.signal for mark, k in reversed(program.marks)}
     next = _next(program, exact), _next(program, rounded)
-    links = _matrix([next[0][s.name] for s in signals], [nodes[s.name] for s in signals])
+    links = _matrix([next[0][s.name] for s in signals], [state_nodes[s.name] for s in signals])
     labels = connected_components(links != 0, connection="strong")[1].tolist()
     parts = []
     for label in dict.fromkeys(labels):
         inside = [k for k, other in enumerate(labels) if other == label]
         if links[np.ix_(inside, inside)].any():
-            states = {nodes[signals[k].name]: signals[k] for k in inside}
+            states = {state_nodes[signals[k].name]: signals[k] for k in inside}
             parts.append(_part(program, block.time.period_s, (exact, rounded), next, states, named, scalar))
     return tuple(parts)
+
+
+def _constants(block: Block) -> dict[str, float]:
+    """Return the constants of a Block, with the declared values of those that may change."""
+    held = {s.name: s.initial for s in block.states if s.name in block.tunable}
+    return {c.name: c.value for c in block.constants} | held
 
 
 def _part(

@@ -1,0 +1,97 @@
+"""Constants that are tuned on the running machine: in the emitted C they are states, k+ = k, which no step changes.
+
+A function beside the step moves them, all together and between two steps: with n calls left to the values t,
+
+    k <- t - (t - k) (n - 1) / n
+
+so that k is t to the last bit after the last of them, and between the two before: what holds for every k in its range
+holds on the way.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
+
+from synth.base import cache
+from synth.block import Block, State
+from synth.declare.stage import Stage
+from synth.declare.tuning import FreeParameter, Tuning
+from synth.errors import DesignError
+from synth.signals import Signal
+
+MARGIN = 0.05  # of a range, by which what follows from the corners and the middle of the box is widened on each side
+
+
+def shipped(stage: Stage) -> Block:
+    """Return the Block that is emitted: the controller's, with the constants that the bench tunes as states.
+
+    Raises DesignError as `ranges`.
+    """
+    block, tuning = stage.controller.block, stage.tuning
+    if tuning is None or tuning.bench is None:
+        return block
+    samples = max(1, round(tuning.bench.ramp_s / block.time.period_s))
+    return with_tunable(block, ranges(stage.name, tuning), samples)
+
+
+@cache.cached
+def ranges(name: str, tuning: Tuning) -> dict[str, tuple[float, float]]:
+    """Return the range of each constant that follows from the parameters of the bench, within their ranges.
+
+    It is that over all corners, the middles of all edges and faces, and the middle of the box, widened by MARGIN.
+
+    Raises DesignError for a bench without effect, and for a law whose constants have other names in another place.
+    """
+    assert tuning.bench is not None
+    declared = {f.name: f.value for f in tuning.free}
+    middles = {f.name: replace(f, low=low, high=high).at(0.5) for f, low, high in _of_bench(tuning)}
+    levels = [{low, middles[f.name], f.value, high} for f, low, high in _of_bench(tuning)]
+    found: dict[str, list[float]] = {}
+    for values in product(*levels):
+        at = declared | dict(zip(tuning.bench.ranges, values, strict=True))
+        constants = constants_at(tuning, at)
+        if found and constants.keys() != found.keys():
+            other = sorted({*constants} ^ {*found})[0]
+            raise DesignError(
+                f"'{name}' on the bench: the constant '{other}' is not in the law at every value of "
+                f"{', '.join(tuning.bench.ranges)}: narrow their ranges, so that none passes a value of its own such as 0"
+            )
+        for n, value in constants.items():
+            found.setdefault(n, []).append(value)
+    varying = {n: (min(values), max(values)) for n, values in found.items() if min(values) < max(values)}
+    if not varying:
+        raise DesignError(
+            f"'{name}' on the bench: no constant of the law follows from {', '.join(tuning.bench.ranges)}; name other "
+            "free parameters"
+        )
+    return {n: (low - MARGIN * (high - low), high + MARGIN * (high - low)) for n, (low, high) in varying.items()}
+
+
+def constants_at(tuning: Tuning, values: Mapping[str, float]) -> dict[str, float]:
+    """Return the constants of the law, exact, with values of all free parameters."""
+    return {c.name: c.value for c in tuning.controller(dict(values)).block.constants}
+
+
+def _of_bench(tuning: Tuning) -> list[tuple[FreeParameter, float, float]]:
+    """Return the free parameters of the bench with their ranges."""
+    assert tuning.bench is not None
+    free = {f.name: f for f in tuning.free}
+    return [(free[n], low, high) for n, (low, high) in tuning.bench.ranges.items()]
+
+
+def with_tunable(block: Block, ranges: Mapping[str, tuple[float, float]], ramp: int) -> Block:
+    """Return the Block with some constants as states within `ranges`, {name: (low, high)}, which no step changes; a change takes
+    `ramp` samples."""
+    constants = {c.name: c for c in block.constants}
+    held = [
+        State(Signal(n, constants[n].unit, low, high, constants[n].source), constants[n].value)
+        for n, (low, high) in ranges.items()
+    ]
+    return replace(
+        block,
+        constants=tuple(c for c in block.constants if c.name not in ranges),
+        states=(*block.states, *held),
+        next={**block.next, **{n: block.symbol[n] for n in ranges}},
+        tunable=tuple(ranges),
+        ramp=ramp,
+    )
