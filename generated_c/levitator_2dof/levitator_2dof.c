@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -83,15 +84,6 @@ LEVITATOR_2DOF_INLINE levitator_2dof_servo_z_output_t
     levitator_2dof_servo_z_output(levitator_2dof_servo_z_state_t *state, const levitator_2dof_input_t *accepted,
     float w_z_late1_predicted, levitator_2dof_diagnostics_t *diagnostics)
 {
-    static const float start_sum_from_z_held = -44.73818f;      /* m/m */
-    static const float w_z_command_from_sum = -1076.6178f;      /* m/s^2/m */
-    static const float w_z_command_from_p1 = -3790.4277f;       /* m/s^2/m */
-    static const float w_z_command_from_q1 = -1720.0553f;       /* m/s^2/m */
-    static const float w_z_command_from_z_predicted = 389838.22f; /* m/s^2/m */
-    static const float w_z_command_from_vz_predicted = -610.0382f; /* m/s^2/m s */
-    static const float w_z_command_from_w_z_late1_predicted = -0.29031637f; /* m/s^2/m s^2 */
-    static const float w_z_command_from_z_held = -510253.0f;    /* m/s^2/m */
-    static const float w_z_command_from_z_ref_held = 72248.88f; /* m/s^2/m */
     static const float z_predicted_from_z_predicted = -0.021450125f; /* m/m */
     static const float z_predicted_from_vz_predicted = 0.0005f; /* m/m s */
     static const float z_predicted_from_w_z_late1_predicted = 1.25e-07f; /* m/m s^2 */
@@ -110,7 +102,7 @@ LEVITATOR_2DOF_INLINE levitator_2dof_servo_z_output_t
     float current_sum = sum;
     float current_z_predicted = z_predicted_2;
     if (started == 0u) {
-        current_sum = levitator_2dof_limit(sum + (start_sum_from_z_held * accepted->z), 0.34f);
+        current_sum = levitator_2dof_limit(sum + (state->start_sum_from_z_held * accepted->z), 0.34f);
         current_z_predicted = levitator_2dof_limit(z_predicted_2 + accepted->z, 0.0014f);
     }
     const float vz_predicted = state->vz_predicted;
@@ -123,10 +115,11 @@ LEVITATOR_2DOF_INLINE levitator_2dof_servo_z_output_t
         (next_vz_predicted_from_z_held * accepted->z);
     state->vz_predicted = levitator_2dof_limit(next_values_vz_predicted, 1.3f);
     state->started = 1u;
-    const float w_z_command = (w_z_command_from_sum * current_sum) + (w_z_command_from_p1 * state->p1) +
-        (w_z_command_from_q1 * state->q1) + (w_z_command_from_z_predicted * current_z_predicted) +
-        (w_z_command_from_vz_predicted * vz_predicted) + (w_z_command_from_w_z_late1_predicted * w_z_late1_predicted) +
-        (w_z_command_from_z_held * accepted->z) + (w_z_command_from_z_ref_held * accepted->z_ref);
+    const float w_z_command = (state->w_z_command_from_sum * current_sum) + (state->w_z_command_from_p1 * state->p1) +
+        (state->w_z_command_from_q1 * state->q1) + (state->w_z_command_from_z_predicted * current_z_predicted) +
+        (state->w_z_command_from_vz_predicted * vz_predicted) +
+        (state->w_z_command_from_w_z_late1_predicted * w_z_late1_predicted) +
+        (state->w_z_command_from_z_held * accepted->z) + (state->w_z_command_from_z_ref_held * accepted->z_ref);
     const float z_predicted = (z_predicted_from_z_predicted * current_z_predicted) +
         (z_predicted_from_vz_predicted * vz_predicted) + (z_predicted_from_w_z_late1_predicted * w_z_late1_predicted) +
         (z_predicted_from_z_held * accepted->z);
@@ -241,21 +234,18 @@ LEVITATOR_2DOF_INLINE levitator_2dof_limits_t levitator_2dof_limits(float i1_dem
 LEVITATOR_2DOF_INLINE void levitator_2dof_servo_z_update(levitator_2dof_servo_z_state_t *state, float current_sum,
     float z_error, float exp_polynomial, float i1_excess)
 {
-    static const float next_sum_from_w_z_excess = -1.6728576e-05f; /* m/m s^2 */
     static const float next_p1_from_q1 = 0.0009868792f;         /* m/m */
-    static const float next_p1_from_w_z_excess = 3.4155806e-07f; /* m/m s^2 */
     static const float next_q1_from_q1 = 0.9990131f;            /* m/m */
-    static const float next_q1_from_w_z_excess = -1.6240092e-05f; /* m/m s^2 */
 
     const float sum_product = exp_polynomial * i1_excess;
-    state->sum = levitator_2dof_limit(current_sum - z_error + (13.333333f * (next_sum_from_w_z_excess * sum_product)),
-        0.34f);
+    state->sum = levitator_2dof_limit(current_sum - z_error +
+        (13.333333f * (state->next_sum_from_w_z_excess * sum_product)), 0.34f);
     const float p1 = state->p1;
     const float q1 = state->q1;
     state->p1 = levitator_2dof_limit(p1 + (next_p1_from_q1 * q1) +
-        (13.333333f * (next_p1_from_w_z_excess * sum_product)), 0.0096f);
+        (13.333333f * (state->next_p1_from_w_z_excess * sum_product)), 0.0096f);
     state->q1 = levitator_2dof_limit((next_q1_from_q1 * q1) - p1 - z_error +
-        (13.333333f * (next_q1_from_w_z_excess * sum_product)), 0.26f);
+        (13.333333f * (state->next_q1_from_w_z_excess * sum_product)), 0.26f);
 }
 
 /* servo_x: servo of x */
@@ -338,7 +328,187 @@ void levitator_2dof_init(levitator_2dof_state_t *state)
     /* A member that is not named is 0. */
     *state = (levitator_2dof_state_t){
         .guard = {.left = 4u},
+        .servo_z = {.next_sum_from_w_z_excess = -1.6728576e-05f, .next_p1_from_w_z_excess = 3.4155806e-07f,
+            .next_q1_from_w_z_excess = -1.6240092e-05f, .w_z_command_from_sum = -1076.6178f,
+            .w_z_command_from_p1 = -3790.4277f, .w_z_command_from_q1 = -1720.0553f,
+            .w_z_command_from_z_predicted = 389838.22f, .w_z_command_from_vz_predicted = -610.0382f,
+            .w_z_command_from_w_z_late1_predicted = -0.29031637f, .w_z_command_from_z_held = -510253.0f,
+            .w_z_command_from_z_ref_held = 72248.88f, .start_sum_from_z_held = -44.73818f},
     };
+}
+
+const levitator_2dof_parameters_t levitator_2dof_parameters_default = {
+    .servo_z_next_sum_from_w_z_excess = -1.6728576e-05f,
+    .servo_z_next_p1_from_w_z_excess = 3.4155806e-07f,
+    .servo_z_next_q1_from_w_z_excess = -1.6240092e-05f,
+    .servo_z_w_z_command_from_sum = -1076.6178f,
+    .servo_z_w_z_command_from_p1 = -3790.4277f,
+    .servo_z_w_z_command_from_q1 = -1720.0553f,
+    .servo_z_w_z_command_from_z_predicted = 389838.22f,
+    .servo_z_w_z_command_from_vz_predicted = -610.0382f,
+    .servo_z_w_z_command_from_w_z_late1_predicted = -0.29031637f,
+    .servo_z_w_z_command_from_z_held = -510253.0f,
+    .servo_z_w_z_command_from_z_ref_held = 72248.88f,
+    .servo_z_start_sum_from_z_held = -44.73818f,
+    .check = 0xdd88bb9eu,
+};
+
+static inline uint32_t levitator_2dof_mixed(uint32_t check, float value)
+{
+    static const uint32_t spread = 0x9e3779b1u;
+
+    uint32_t bits[1] = {0u};
+    (void)memcpy((uint8_t *)bits, (const uint8_t *)&value, sizeof bits);
+    uint64_t mixed = check;
+    mixed = (mixed ^ bits[0]) * spread;
+    mixed = (mixed >> 32u) ^ (mixed & 0xffffffffu);
+    return (uint32_t)mixed;
+}
+
+static inline uint32_t levitator_2dof_checked(const levitator_2dof_parameters_t *parameters)
+{
+    uint32_t check = 0xb8506d98u;
+    check = levitator_2dof_mixed(check, parameters->servo_z_next_sum_from_w_z_excess);
+    check = levitator_2dof_mixed(check, parameters->servo_z_next_p1_from_w_z_excess);
+    check = levitator_2dof_mixed(check, parameters->servo_z_next_q1_from_w_z_excess);
+    check = levitator_2dof_mixed(check, parameters->servo_z_w_z_command_from_sum);
+    check = levitator_2dof_mixed(check, parameters->servo_z_w_z_command_from_p1);
+    check = levitator_2dof_mixed(check, parameters->servo_z_w_z_command_from_q1);
+    check = levitator_2dof_mixed(check, parameters->servo_z_w_z_command_from_z_predicted);
+    check = levitator_2dof_mixed(check, parameters->servo_z_w_z_command_from_vz_predicted);
+    check = levitator_2dof_mixed(check, parameters->servo_z_w_z_command_from_w_z_late1_predicted);
+    check = levitator_2dof_mixed(check, parameters->servo_z_w_z_command_from_z_held);
+    check = levitator_2dof_mixed(check, parameters->servo_z_w_z_command_from_z_ref_held);
+    check = levitator_2dof_mixed(check, parameters->servo_z_start_sum_from_z_held);
+    return check;
+}
+
+uint32_t levitator_2dof_parameters_check(const levitator_2dof_parameters_t *parameters)
+{
+    return levitator_2dof_checked(parameters);
+}
+
+static inline bool levitator_2dof_holds(float value, float low, float high)
+{
+    return (value >= low) && (value <= high);
+}
+
+/* The value moved by a part of the way to a target; rounding does not leave the range. */
+static inline float levitator_2dof_moved(float value, float target, float part, float low, float high)
+{
+    const float moved = (target * part) + (value * (1.0f - part));
+    const float below = (moved < high) ? moved : high;
+    return (below > low) ? below : low;
+}
+
+uint32_t levitator_2dof_tune(levitator_2dof_state_t *state, const levitator_2dof_parameters_t *parameters,
+    uint32_t left)
+{
+    static const levitator_2dof_parameters_t low = {
+        .servo_z_next_sum_from_w_z_excess = -1.7074202e-05f,
+        .servo_z_next_p1_from_w_z_excess = 3.2361768e-07f,
+        .servo_z_next_q1_from_w_z_excess = -1.6324953e-05f,
+        .servo_z_w_z_command_from_sum = -1089.8962f,
+        .servo_z_w_z_command_from_p1 = -5343.3784f,
+        .servo_z_w_z_command_from_q1 = -1738.2772f,
+        .servo_z_w_z_command_from_z_predicted = 361313.84f,
+        .servo_z_w_z_command_from_vz_predicted = -676.9391f,
+        .servo_z_w_z_command_from_w_z_late1_predicted = -0.32358837f,
+        .servo_z_w_z_command_from_z_held = -558293.2f,
+        .servo_z_w_z_command_from_z_ref_held = 71705.07f,
+        .servo_z_start_sum_from_z_held = -46.183f,
+    };
+    static const levitator_2dof_parameters_t high = {
+        .servo_z_next_sum_from_w_z_excess = -1.6523998e-05f,
+        .servo_z_next_p1_from_w_z_excess = 3.712697e-07f,
+        .servo_z_next_q1_from_w_z_excess = -1.6077991e-05f,
+        .servo_z_w_z_command_from_sum = -1054.7751f,
+        .servo_z_w_z_command_from_p1 = -1311.1482f,
+        .servo_z_w_z_command_from_q1 = -1687.7031f,
+        .servo_z_w_z_command_from_z_predicted = 436502.66f,
+        .servo_z_w_z_command_from_vz_predicted = -569.11334f,
+        .servo_z_w_z_command_from_w_z_late1_predicted = -0.26997098f,
+        .servo_z_w_z_command_from_z_held = -480822.3f,
+        .servo_z_w_z_command_from_z_ref_held = 73074.34f,
+        .servo_z_start_sum_from_z_held = -43.857235f,
+    };
+
+    /* One copy: what is checked is what is taken. */
+    const levitator_2dof_parameters_t to = *parameters;
+    uint32_t refused = 0u;
+    if (to.check != levitator_2dof_checked(&to)) {
+        refused |= 0x00000001u;
+    }
+    bool within = true;
+    within = within && levitator_2dof_holds(to.servo_z_next_sum_from_w_z_excess, low.servo_z_next_sum_from_w_z_excess,
+        high.servo_z_next_sum_from_w_z_excess);
+    within = within && levitator_2dof_holds(to.servo_z_next_p1_from_w_z_excess, low.servo_z_next_p1_from_w_z_excess,
+        high.servo_z_next_p1_from_w_z_excess);
+    within = within && levitator_2dof_holds(to.servo_z_next_q1_from_w_z_excess, low.servo_z_next_q1_from_w_z_excess,
+        high.servo_z_next_q1_from_w_z_excess);
+    within = within && levitator_2dof_holds(to.servo_z_w_z_command_from_sum, low.servo_z_w_z_command_from_sum,
+        high.servo_z_w_z_command_from_sum);
+    within = within && levitator_2dof_holds(to.servo_z_w_z_command_from_p1, low.servo_z_w_z_command_from_p1,
+        high.servo_z_w_z_command_from_p1);
+    within = within && levitator_2dof_holds(to.servo_z_w_z_command_from_q1, low.servo_z_w_z_command_from_q1,
+        high.servo_z_w_z_command_from_q1);
+    within = within && levitator_2dof_holds(to.servo_z_w_z_command_from_z_predicted,
+        low.servo_z_w_z_command_from_z_predicted, high.servo_z_w_z_command_from_z_predicted);
+    within = within && levitator_2dof_holds(to.servo_z_w_z_command_from_vz_predicted,
+        low.servo_z_w_z_command_from_vz_predicted, high.servo_z_w_z_command_from_vz_predicted);
+    within = within && levitator_2dof_holds(to.servo_z_w_z_command_from_w_z_late1_predicted,
+        low.servo_z_w_z_command_from_w_z_late1_predicted, high.servo_z_w_z_command_from_w_z_late1_predicted);
+    within = within && levitator_2dof_holds(to.servo_z_w_z_command_from_z_held, low.servo_z_w_z_command_from_z_held,
+        high.servo_z_w_z_command_from_z_held);
+    within = within && levitator_2dof_holds(to.servo_z_w_z_command_from_z_ref_held,
+        low.servo_z_w_z_command_from_z_ref_held, high.servo_z_w_z_command_from_z_ref_held);
+    within = within && levitator_2dof_holds(to.servo_z_start_sum_from_z_held, low.servo_z_start_sum_from_z_held,
+        high.servo_z_start_sum_from_z_held);
+    if (!within) {
+        refused |= 0x00000002u;
+    }
+    if (left == 0u) {
+        refused |= 0x00000004u;
+    }
+    if (refused == 0u) {
+        const uint32_t calls = (left > 0u) ? left : 1u;
+        const float part = 1.0f / (float)calls;
+        state->servo_z.next_sum_from_w_z_excess = levitator_2dof_moved(state->servo_z.next_sum_from_w_z_excess,
+            to.servo_z_next_sum_from_w_z_excess, part, low.servo_z_next_sum_from_w_z_excess,
+            high.servo_z_next_sum_from_w_z_excess);
+        state->servo_z.next_p1_from_w_z_excess = levitator_2dof_moved(state->servo_z.next_p1_from_w_z_excess,
+            to.servo_z_next_p1_from_w_z_excess, part, low.servo_z_next_p1_from_w_z_excess,
+            high.servo_z_next_p1_from_w_z_excess);
+        state->servo_z.next_q1_from_w_z_excess = levitator_2dof_moved(state->servo_z.next_q1_from_w_z_excess,
+            to.servo_z_next_q1_from_w_z_excess, part, low.servo_z_next_q1_from_w_z_excess,
+            high.servo_z_next_q1_from_w_z_excess);
+        state->servo_z.w_z_command_from_sum = levitator_2dof_moved(state->servo_z.w_z_command_from_sum,
+            to.servo_z_w_z_command_from_sum, part, low.servo_z_w_z_command_from_sum, high.servo_z_w_z_command_from_sum);
+        state->servo_z.w_z_command_from_p1 = levitator_2dof_moved(state->servo_z.w_z_command_from_p1,
+            to.servo_z_w_z_command_from_p1, part, low.servo_z_w_z_command_from_p1, high.servo_z_w_z_command_from_p1);
+        state->servo_z.w_z_command_from_q1 = levitator_2dof_moved(state->servo_z.w_z_command_from_q1,
+            to.servo_z_w_z_command_from_q1, part, low.servo_z_w_z_command_from_q1, high.servo_z_w_z_command_from_q1);
+        state->servo_z.w_z_command_from_z_predicted = levitator_2dof_moved(state->servo_z.w_z_command_from_z_predicted,
+            to.servo_z_w_z_command_from_z_predicted, part, low.servo_z_w_z_command_from_z_predicted,
+            high.servo_z_w_z_command_from_z_predicted);
+        state->servo_z.w_z_command_from_vz_predicted =
+            levitator_2dof_moved(state->servo_z.w_z_command_from_vz_predicted, to.servo_z_w_z_command_from_vz_predicted,
+            part, low.servo_z_w_z_command_from_vz_predicted, high.servo_z_w_z_command_from_vz_predicted);
+        state->servo_z.w_z_command_from_w_z_late1_predicted =
+            levitator_2dof_moved(state->servo_z.w_z_command_from_w_z_late1_predicted,
+            to.servo_z_w_z_command_from_w_z_late1_predicted, part, low.servo_z_w_z_command_from_w_z_late1_predicted,
+            high.servo_z_w_z_command_from_w_z_late1_predicted);
+        state->servo_z.w_z_command_from_z_held = levitator_2dof_moved(state->servo_z.w_z_command_from_z_held,
+            to.servo_z_w_z_command_from_z_held, part, low.servo_z_w_z_command_from_z_held,
+            high.servo_z_w_z_command_from_z_held);
+        state->servo_z.w_z_command_from_z_ref_held = levitator_2dof_moved(state->servo_z.w_z_command_from_z_ref_held,
+            to.servo_z_w_z_command_from_z_ref_held, part, low.servo_z_w_z_command_from_z_ref_held,
+            high.servo_z_w_z_command_from_z_ref_held);
+        state->servo_z.start_sum_from_z_held = levitator_2dof_moved(state->servo_z.start_sum_from_z_held,
+            to.servo_z_start_sum_from_z_held, part, low.servo_z_start_sum_from_z_held,
+            high.servo_z_start_sum_from_z_held);
+    }
+    return refused;
 }
 
 LEVITATOR_2DOF_INLINE uint32_t levitator_2dof_body(levitator_2dof_state_t *state, const levitator_2dof_input_t *in,

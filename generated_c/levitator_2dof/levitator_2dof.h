@@ -20,6 +20,9 @@
  *
  * Signs of what a positive value accelerates, from the plant: i1 +z; i2 +x.
  *
+ * levitator_2dof_tune changes 12 constants of the law between two steps, within the ranges of
+ * levitator_2dof_parameters_t: over all of them the step keeps what is said here.
+ *
  * The gains and numbers in levitator_2dof.c hold for one plant and one period: for other masses, geometry or magnets,
  * or another period, generate the files again. gains.json says where each gain comes from.
  *
@@ -54,6 +57,28 @@ typedef struct {
     float i2;                           /* A, -2 .. 2: voice coil */
 } levitator_2dof_output_t;
 
+typedef struct {
+    /* m/m s^2, -1.70742e-05 .. -1.6524e-05: servo of z: next_sum from w_z_excess */
+    float servo_z_next_sum_from_w_z_excess;
+    float servo_z_next_p1_from_w_z_excess; /* m/m s^2, 3.23618e-07 .. 3.7127e-07: servo of z: next_p1 from w_z_excess */
+    /* m/m s^2, -1.6325e-05 .. -1.6078e-05: servo of z: next_q1 from w_z_excess */
+    float servo_z_next_q1_from_w_z_excess;
+    float servo_z_w_z_command_from_sum; /* m/s^2/m, -1089.9 .. -1054.78: servo of z: w_z_command from sum */
+    float servo_z_w_z_command_from_p1;  /* m/s^2/m, -5343.38 .. -1311.15: servo of z: w_z_command from p1 */
+    float servo_z_w_z_command_from_q1;  /* m/s^2/m, -1738.28 .. -1687.7: servo of z: w_z_command from q1 */
+    /* m/s^2/m, 361314 .. 436503: servo of z: w_z_command from z_predicted */
+    float servo_z_w_z_command_from_z_predicted;
+    /* m/s^2/m s, -676.939 .. -569.113: servo of z: w_z_command from vz_predicted */
+    float servo_z_w_z_command_from_vz_predicted;
+    /* m/s^2/m s^2, -0.323588 .. -0.269971: servo of z: w_z_command from w_z_late1_predicted */
+    float servo_z_w_z_command_from_w_z_late1_predicted;
+    float servo_z_w_z_command_from_z_held; /* m/s^2/m, -558293 .. -480822: servo of z: w_z_command from z_held */
+    /* m/s^2/m, 71705.1 .. 73074.3: servo of z: w_z_command from z_ref_held */
+    float servo_z_w_z_command_from_z_ref_held;
+    float servo_z_start_sum_from_z_held; /* m/m, -46.183 .. -43.8572: servo of z: start_sum from z_held */
+    uint32_t check;                     /* 1, 0 .. 4.29497e+09: of the bits of the others */
+} levitator_2dof_parameters_t;
+
 /* Put the state to its initial values. The caller owns it. */
 void levitator_2dof_init(levitator_2dof_state_t *state);
 
@@ -67,6 +92,21 @@ void levitator_2dof_init(levitator_2dof_state_t *state);
  */
 uint32_t levitator_2dof_step(levitator_2dof_state_t *state, const levitator_2dof_input_t *in,
     levitator_2dof_output_t *out);
+
+/* The declared design, from which init starts. */
+extern const levitator_2dof_parameters_t levitator_2dof_parameters_default;
+
+/* The check that belongs to the values of `parameters`: set it last. */
+uint32_t levitator_2dof_parameters_check(const levitator_2dof_parameters_t *parameters);
+
+/* Move the constants of the law to `parameters`, which do not change during the call: one call between two
+ * steps, with `left` = 200, 199, .. 1. With 1 they are reached. It returns 0, or why nothing is changed:
+ *   bit 0  the check does not fit the values: half of a change, or parameters of other C
+ *   bit 1  a value is not finite, or outside its range
+ *   bit 2  no call is left
+ */
+uint32_t levitator_2dof_tune(levitator_2dof_state_t *state, const levitator_2dof_parameters_t *parameters,
+    uint32_t left);
 
 /* What follows is for init and step alone: the state, by Block. */
 typedef struct {
@@ -89,6 +129,20 @@ typedef struct {
     float vz_predicted;                 /* m/s, -1.3 .. 1.3: estimate of the next sample */
     float w_z_late1_predicted;          /* m/s^2, -57 .. 57: limited command that acts next */
     uint32_t started;                   /* 1, 0 .. 1: the first sample is over */
+    float next_sum_from_w_z_excess;     /* m/m s^2, -1.70742e-05 .. -1.6524e-05: servo of z: next_sum from w_z_excess */
+    float next_p1_from_w_z_excess;      /* m/m s^2, 3.23618e-07 .. 3.7127e-07: servo of z: next_p1 from w_z_excess */
+    float next_q1_from_w_z_excess;      /* m/m s^2, -1.6325e-05 .. -1.6078e-05: servo of z: next_q1 from w_z_excess */
+    float w_z_command_from_sum;         /* m/s^2/m, -1089.9 .. -1054.78: servo of z: w_z_command from sum */
+    float w_z_command_from_p1;          /* m/s^2/m, -5343.38 .. -1311.15: servo of z: w_z_command from p1 */
+    float w_z_command_from_q1;          /* m/s^2/m, -1738.28 .. -1687.7: servo of z: w_z_command from q1 */
+    float w_z_command_from_z_predicted; /* m/s^2/m, 361314 .. 436503: servo of z: w_z_command from z_predicted */
+    /* m/s^2/m s, -676.939 .. -569.113: servo of z: w_z_command from vz_predicted */
+    float w_z_command_from_vz_predicted;
+    /* m/s^2/m s^2, -0.323588 .. -0.269971: servo of z: w_z_command from w_z_late1_predicted */
+    float w_z_command_from_w_z_late1_predicted;
+    float w_z_command_from_z_held;      /* m/s^2/m, -558293 .. -480822: servo of z: w_z_command from z_held */
+    float w_z_command_from_z_ref_held;  /* m/s^2/m, 71705.1 .. 73074.3: servo of z: w_z_command from z_ref_held */
+    float start_sum_from_z_held;        /* m/m, -46.183 .. -43.8572: servo of z: start_sum from z_held */
 } levitator_2dof_servo_z_state_t;
 
 typedef struct {
@@ -113,11 +167,13 @@ struct levitator_2dof_state {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(levitator_2dof_input_t) == 16u, "size of levitator_2dof_input_t");
 _Static_assert(sizeof(levitator_2dof_output_t) == 8u, "size of levitator_2dof_output_t");
-_Static_assert(sizeof(levitator_2dof_state_t) == 100u, "size of levitator_2dof_state_t");
+_Static_assert(sizeof(levitator_2dof_state_t) == 148u, "size of levitator_2dof_state_t");
+_Static_assert(sizeof(levitator_2dof_parameters_t) == 52u, "size of levitator_2dof_parameters_t");
 #else
 extern char levitator_2dof_input_size_is_16[(sizeof(levitator_2dof_input_t) == 16u) ? 1 : -1];
 extern char levitator_2dof_output_size_is_8[(sizeof(levitator_2dof_output_t) == 8u) ? 1 : -1];
-extern char levitator_2dof_state_size_is_100[(sizeof(levitator_2dof_state_t) == 100u) ? 1 : -1];
+extern char levitator_2dof_state_size_is_148[(sizeof(levitator_2dof_state_t) == 148u) ? 1 : -1];
+extern char levitator_2dof_parameters_size_is_52[(sizeof(levitator_2dof_parameters_t) == 52u) ? 1 : -1];
 #endif
 
 /* Signals and what happened: each signal from the last step that computed it, since a latch or another branch skips

@@ -70,7 +70,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
         {"design": gains_document},
         error=error,
         header_notes=notes,
-        datasheet_notes=stage.datasheet_notes,
+        datasheet_notes=[*stage.datasheet_notes, *_bench(stage)],
         warning=stage.warning,
         latency=_latency(stage),
         gain_error=stage.gain_error,
@@ -115,6 +115,18 @@ def _emit_companion(
     companion_inputs = companion.select_inputs(inputs, replay.outputs)
     companion_replay = host.load(files.files, files.manifest).replay(companion_inputs)
     return _with_vectors(files, companion_inputs, companion_replay)
+
+
+def _bench(stage: Stage) -> list[str]:
+    """Return which parameters the constants follow from that are tuned on the machine."""
+    if stage.tuning is None or stage.tuning.bench is None:
+        return []
+    free = {f.name: f for f in stage.tuning.free}
+    ranges = [
+        f"{n} ({free[n].about}), {low:g} .. {high:g} {free[n].unit}"
+        for n, (low, high) in stage.tuning.bench.ranges.items()
+    ]
+    return [f"Constants that are tuned on the machine follow from {'; '.join(ranges)}: `synth tune` computes them."]
 
 
 def _latency(stage: Stage) -> int:

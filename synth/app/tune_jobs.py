@@ -53,15 +53,15 @@ def prepare(stage: Stage, plan: Plan) -> Search:
     study_jobs.stage_of(stage)
     if stage.tuning is None:
         raise DesignError(f"design '{stage.name}' declares no tuning: give `tuning=Tuning(free=.., controller=..)`")
-    stage = replace(stage, tuning=replace(stage.tuning, bench=None))  # candidates have constants of their own
-    names = tuple(stage.tuning.experiments)
+    tuning = replace(stage.tuning, bench=None)  # candidates have constants of their own
+    stage, names = replace(stage, tuning=tuning), tuple(tuning.experiments)
     rig = standard_tasks.rig(stage, stage.scalar)
-    _require_declared_values(stage, stage.tuning)
+    _require_declared_values(stage, tuning)
     try:
         key = cache.key(evaluate, tasks.compilers(), stage, plan, data=True)
     except ContentError:
         key = ""
-    return Search(stage, stage.tuning, plan, rig, study_runs.integration_of(stage, names), key)
+    return Search(stage, tuning, plan, rig, study_runs.integration_of(stage, names), key)
 
 
 def _require_declared_values(stage: Stage, tuning: Tuning) -> None:

@@ -93,12 +93,14 @@ class Tuning:
         free = {f.name: f for f in self.free}
         for name, (low, high) in (self.bench.ranges if self.bench else {}).items():
             if name not in free:
-                raise SignalError(f"the bench tunes '{name}', which is no free parameter: name some of {', '.join(free)}")
+                raise SignalError(
+                    f"the bench tunes '{name}', which is no free parameter: name some of {', '.join(free)}"
+                )
             f = free[name]
             if not f.low <= low <= f.value <= high <= f.high or low == high:
                 raise SignalError(
-                    f"the bench tunes '{name}' within {low} .. {high} {f.unit}: give a range within {f.low} .. {f.high} "
-                    f"that holds the declared value {f.value}"
+                    f"the bench tunes '{name}' within {low} .. {high} {f.unit}: give a range within {f.low} .. "
+                    f"{f.high} that holds the declared value {f.value}"
                 )
 
 

@@ -73,9 +73,12 @@ def emit(
     }
     observed = diagnostics.manifest_entry(rounded, made.program)
     document = manifest.manifest(rounded, made.memory, texts, made.surrogates, made.lines, made.numbers, observed)
-    constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
+    listed = {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}
+    for state in (s for s in rounded.states if s.name in block.tunable):
+        s = state.signal
+        listed[s.name] = {"value": state.initial, "unit": s.unit, "from": s.about, "low": s.low, "high": s.high}
     texts["manifest.json"] = manifest.dumps(document, warning)
-    texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))
+    texts["gains.json"] = manifest.dumps({"constants": listed} | dict(gains or {}))
     return EmittedCode(texts, json.loads(texts["manifest.json"]), made.reduced, parts, sheets)
 
 

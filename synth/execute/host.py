@@ -159,6 +159,33 @@ class Controller:
         outputs, faults = self._advance(after, self.records(inputs, len(after)))
         return Batch(columns(outputs), faults, after)
 
+    def tune(self, state: Records, values: Mapping[str, float], left: int = 1) -> int:
+        """Move the constants of the law in `state` to `values`, with `left` calls to go; return why not, 0 if they are.
+
+        Raises SignalError for C without such constants, when a value is missing or unknown, and for another state.
+        """
+        if "tuning" not in self.manifest:
+            raise SignalError(
+                f"'{self.manifest['design']}' has no constants that change: declare a bench in its tuning"
+            )
+        require_states(self.manifest, self.state, state, ())
+        parameters, pointer = self.parameters(values), ctypes.c_void_p
+        move = ctypes.CFUNCTYPE(ctypes.c_uint32, pointer, pointer, ctypes.c_uint32)
+        tune = move((self.manifest["tuning"]["functions"]["tune"], self.library))
+        return int(tune(state.ctypes.data, parameters.ctypes.data, left))
+
+    def parameters(self, values: Mapping[str, float]) -> Records:
+        """Return the parameters with these values of the constants, and their check, a record of shape (1,).
+
+        Raises SignalError when a value is missing or unknown.
+        """
+        struct = dtype("parameters", self.manifest)
+        others = {n: 0.0 for n in struct.names or () if n not in self.manifest["tuning"]["default"]}
+        filled = records(self.manifest, struct, {**values, **others}, 1)
+        check = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p)
+        filled["check"] = check((self.manifest["tuning"]["functions"]["check"], self.library))(filled.ctypes.data)
+        return filled
+
     def records(self, inputs: Mapping[str, ArrayLike], n: int) -> Records:
         """Return n input structs from columns (n,) or constants by name.
 

@@ -54,7 +54,7 @@ def ranges(name: str, tuning: Tuning) -> dict[str, tuple[float, float]]:
             other = sorted({*constants} ^ {*found})[0]
             raise DesignError(
                 f"'{name}' on the bench: the constant '{other}' is not in the law at every value of "
-                f"{', '.join(tuning.bench.ranges)}: narrow their ranges, so that none passes a value of its own such as 0"
+                f"{', '.join(tuning.bench.ranges)}: narrow their ranges, so that none passes a value such as 0"
             )
         for n, value in constants.items():
             found.setdefault(n, []).append(value)
@@ -80,8 +80,10 @@ def _of_bench(tuning: Tuning) -> list[tuple[FreeParameter, float, float]]:
 
 
 def with_tunable(block: Block, ranges: Mapping[str, tuple[float, float]], ramp: int) -> Block:
-    """Return the Block with some constants as states within `ranges`, {name: (low, high)}, which no step changes; a change takes
-    `ramp` samples."""
+    """Return the Block with some constants as states within `ranges`, {name: (low, high)}, which no step changes.
+
+    A change takes `ramp` samples.
+    """
     constants = {c.name: c for c in block.constants}
     held = [
         State(Signal(n, constants[n].unit, low, high, constants[n].source), constants[n].value)

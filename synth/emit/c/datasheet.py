@@ -44,6 +44,7 @@ def sheets(block: Block, facts: Facts, notes: Sequence[str] = ()) -> tuple[Sheet
         Sheet("What the safe output does to the machine", tuple(filter(None, effect))),
         Sheet("Notes", tuple(notes)),
         Sheet("Constants and parameters", tables=tuple(_by_parameter(facts.numbers))),
+        Sheet("Constants that are tuned on the machine", tables=tuple(_tunable(block))),
         Sheet(
             f"Proofs, rounding to {facts.scalar}, and polynomials in place of functions",
             (PROVED, *word_length.summary(facts.parts, facts.scalar)),
@@ -102,6 +103,12 @@ def _by_parameter(numbers: Sequence[Constant]) -> list[Table]:
         groups.setdefault(tuple(sorted(constants)), []).append(parameter)
     rows = tuple((", ".join(sorted(of)), ", ".join(constants)) for constants, of in sorted(groups.items()))
     return [Table("Constants by parameter", ("parameters of the plant", "constants that follow"), rows)] if rows else []
+
+
+def _tunable(block: Block) -> list[Table]:
+    tunable = [s for s in block.states if s.name in block.tunable]
+    rows = [(s.name, s.signal.unit, *(f"{v:.6g}" for v in (s.initial, s.signal.low, s.signal.high))) for s in tunable]
+    return [Table("Tunable", ("constant", "unit", "declared", "from", "to"), tuple(rows))] if rows else []
 
 
 def _polynomials(surrogates: Sequence[Surrogate]) -> list[Table]:

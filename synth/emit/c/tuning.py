@@ -9,7 +9,7 @@ The check covers the bits of all values and the declaration: half of a change, a
 """
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,8 +31,9 @@ REFUSALS = {
 def check(values: Sequence[np.floating], seed: int) -> int:
     """Return the check of values in their scalar type."""
     found = seed
-    for word in np.frombuffer(np.array(values).astype(np.array(values).dtype.newbyteorder("<")).tobytes(), "<u4"):
-        found = ((((found << 5) | (found >> 27)) & 0xFFFFFFFF) ^ int(word)) * FACTOR & 0xFFFFFFFF
+    for word in np.array(values).view("<u4").tolist():
+        mixed = (found ^ word) * FACTOR
+        found = (mixed >> 32) ^ (mixed & 0xFFFFFFFF)
     return found
 
 
@@ -48,7 +49,7 @@ def defaults(block: Block, layout: Layout) -> dict[str, float]:
 
 
 def manifest_entry(block: Block, layout: Layout) -> dict[str, Any]:
-    """Return what a program needs to know to tune; nothing for a Block without constants that it may."""
+    """Return what a program needs to know to tune; nothing for a Block without constants that may change."""
     if layout.parameters is None:
         return {}
     return {
@@ -64,19 +65,16 @@ def declaration(block: Block, layout: Layout) -> list[str]:
     """Return what the header says of tuning; nothing for a Block without constants that may change."""
     if layout.parameters is None:
         return []
-    name = block.name
+    name, n = block.name, block.ramp
     bits = [f" *   bit {bit.bit_length() - 1}  {about}" for bit, about in REFUSALS.items()]
     return [
         *comment("The declared design, from which init starts."),
         *(f"extern const {name}_parameters_t {name}_parameters_default;", ""),
         *comment("The check that belongs to the values of `parameters`: set it last."),
         *(f"{check_head(name)};", ""),
-        "/* Move the constants of the law to `parameters`, which are reached when `left` is 1. Call it between two steps, with",
-        f" * `left` = {block.ramp}, {block.ramp - 1}, .. 1: what is proved of the step holds on the way. With 1 at once, as after init.",
-        " * It returns 0, or why nothing is changed:",
-        *bits,
-        " */",
-        *(*rows(f"{tune_head(name)};"), ""),
+        "/* Move the constants of the law to `parameters`, which do not change during the call: one call between two",
+        f" * steps, `left` = {n}, {n - 1}, .. 1. With 1 they are reached. It returns 0, or why nothing is changed:",
+        *(*bits, " */", *rows(f"{tune_head(name)};"), ""),
     ]
 
 
@@ -96,45 +94,54 @@ def definitions(block: Block, layout: Layout) -> list[str]:
         return []
     name, t, names = block.name, layout.ctype, block.tunable
     paths = {f.name: f.path for f in layout.state.fields}
-    ends = {f.name: ", ".join(literal(v, layout.scalar).c for v in (f.low, f.high)) for f in layout.parameters.fields}
-    values, start = defaults(block, layout), seed(layout.parameters)
+    start, words = seed(layout.parameters), layout.scalar(0).itemsize // 4
+    fields = [f for f in layout.parameters.fields if f.name in names]
+    values, one = defaults(block, layout), literal(1.0, layout.scalar).c
     found = check([layout.scalar(v) for v in values.values()], start)
-    words = layout.scalar(0).itemsize // 4
-    return [
-        f"const {name}_parameters_t {name}_parameters_default = {{",
-        *(f"    .{n} = {literal(v, layout.scalar).c}," for n, v in values.items()),
-        *(f"    .check = 0x{found:08x}u,", "};", ""),
-        f"static inline uint32_t {name}_mixed(uint32_t check, {t} value)",
-        *("{", f"    uint32_t bits[{words}] = {{0u}};", "    (void)memcpy(bits, &value, sizeof bits);"),
-        "    uint32_t mixed = check;",
-        *(f"    mixed = (((mixed << 5u) | (mixed >> 27u)) ^ bits[{i}]) * 0x{FACTOR:08x}u;" for i in range(words)),
-        *("    return mixed;", "}", ""),
-        *(check_head(name), "{", f"    uint32_t check = 0x{start:08x}u;"),
-        *(f"    check = {name}_mixed(check, parameters->{n});" for n in names),
-        *("    return check;", "}", ""),
-        f"static inline bool {name}_holds({t} value, {t} low, {t} high)",
-        *("{", "    return (value >= low) && (value <= high);", "}", ""),
-        *comment("value moved to a target, of which a share remains; rounding does not leave the range"),
-        f"static inline {t} {name}_moved({t} value, {t} target, {t} share, {t} low, {t} high)",
-        *("{", f"    const {t} moved = target - ((target - value) * share);"),
+
+    def numbers(of: Mapping[str, float], indent: str) -> list[str]:
+        return [f"{indent}.{n} = {literal(v, layout.scalar).c}," for n, v in of.items()]
+
+    lines = [f"const {name}_parameters_t {name}_parameters_default = {{", *numbers(values, "    ")]
+    lines += [f"    .check = 0x{found:08x}u,", "};", ""]
+    lines += [f"static inline uint32_t {name}_mixed(uint32_t check, {t} value)", "{"]
+    lines += [f"    static const uint32_t spread = 0x{FACTOR:08x}u;", "", f"    uint32_t bits[{words}] = {{0u}};"]
+    lines += ["    (void)memcpy((uint8_t *)bits, (const uint8_t *)&value, sizeof bits);", "    uint64_t mixed = check;"]
+    for i in range(words):
+        lines += [f"    mixed = (mixed ^ bits[{i}]) * spread;", "    mixed = (mixed >> 32u) ^ (mixed & 0xffffffffu);"]
+    lines += ["    return (uint32_t)mixed;", "}", ""]
+    lines += [f"static inline uint32_t {name}_checked(const {name}_parameters_t *parameters)"]
+    lines += ["{", f"    uint32_t check = 0x{start:08x}u;"]
+    lines += [f"    check = {name}_mixed(check, parameters->{n});" for n in names]
+    lines += ["    return check;", "}", ""]
+    lines += [check_head(name), "{", f"    return {name}_checked(parameters);", "}", ""]
+    lines += [f"static inline bool {name}_holds({t} value, {t} low, {t} high)"]
+    lines += ["{", "    return (value >= low) && (value <= high);", "}", ""]
+    lines += comment("The value moved by a part of the way to a target; rounding does not leave the range.")
+    lines += [f"static inline {t} {name}_moved({t} value, {t} target, {t} part, {t} low, {t} high)", "{"]
+    lines += [f"    const {t} moved = (target * part) + (value * ({one} - part));"]
+    lines += [
         f"    const {t} below = (moved < high) ? moved : high;",
-        *("    return (below > low) ? below : low;", "}", ""),
-        *rows(tune_head(name)),
-        "{",
-        f"    const {name}_parameters_t to = *parameters; /* what is checked is what is taken */",
-        *("    uint32_t refused = 0u;", f"    if (to.check != {name}_parameters_check(&to)) {{"),
-        *(f"        refused |= {CHECK}u;", "    }", "    bool within = true;"),
-        *(f"    within = within && {name}_holds(to.{n}, {ends[n]});" for n in names),
-        *("    if (!within) {", f"        refused |= {RANGE}u;", "    }"),
-        *("    if (left == 0u) {", f"        refused |= {LEFT}u;", "    }", "    if (refused == 0u) {"),
-        f"        const {t} remaining = ({t})(left - 1u);",
-        f"        const {t} share = remaining / ({t})left;",
-        *(
-            row
-            for n in names
-            for row in rows(
-                f"        state->{paths[n]} = {name}_moved(state->{paths[n]}, to.{n}, share, {ends[n]});"
-            )
-        ),
-        *("    }", "    return refused;", "}", ""),
+        "    return (below > low) ? below : low;",
+        "}",
+        "",
     ]
+    lines += [*rows(tune_head(name)), "{"]
+    for end in ("low", "high"):
+        lines += [f"    static const {name}_parameters_t {end} = {{"]
+        lines += [*numbers({f.name: getattr(f, end) for f in fields}, "        "), "    };"]
+    lines += ["", *comment("One copy: what is checked is what is taken.", "    ")]
+    lines += [f"    const {name}_parameters_t to = *parameters;", "    uint32_t refused = 0u;"]
+    lines += [f"    if (to.check != {name}_checked(&to)) {{", f"        refused |= 0x{CHECK:08x}u;", "    }"]
+    lines += ["    bool within = true;"]
+    lines += [f"    within = within && {name}_holds(to.{n}, low.{n}, high.{n});" for n in names]
+    lines += ["    if (!within) {", f"        refused |= 0x{RANGE:08x}u;", "    }"]
+    lines += ["    if (left == 0u) {", f"        refused |= 0x{LEFT:08x}u;", "    }", "    if (refused == 0u) {"]
+    lines += [
+        "        const uint32_t calls = (left > 0u) ? left : 1u;",
+        f"        const {t} part = {one} / ({t})calls;",
+    ]
+    for n in names:
+        state = f"state->{paths[n]}"
+        lines += [f"        {state} = {name}_moved({state}, to.{n}, part, low.{n}, high.{n});"]
+    return [*lines, "    }", "    return refused;", "}", ""]

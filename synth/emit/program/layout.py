@@ -128,7 +128,7 @@ def _struct(
             filler = f"{part}_reserved" if part else "reserved"
             ordered.append((Signal(filler, "1", 0, 1, "fills the struct up"), "uint32_t"))
         for s, c in ordered:
-            low, high = (_rounded_bound(end, s, scalar) for end in (s.low, s.high))
+            low, high = (_rounded_bound(end, s, scalar if c != "uint32_t" else np.float64) for end in (s.low, s.high))
             fields.append(Member(s.name, offset, c, s.unit, low, high, s.about, part))
             offset += _SIZE[c]
     return Struct(kind, f"{name}_{kind}_t", offset, tuple(fields))

@@ -160,15 +160,16 @@ def prove(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Proof:
     outputs, states = contract.members(manifest, "output"), contract.members(manifest, "state")
     admitted = sum(files[name].count(_ADMIT) for name in contract.units(files))
     refuted = _refuted_admissions(files, _step_harness(files, manifest, _draw_finite)) if admitted else frozenset()
-    step, init = _analyses(files, (_step_harness(files, manifest, _draw_finite), _init_harness(files, manifest)))
+    others = [_init_harness(files, manifest), *_tune_harnesses(files, manifest)]
+    step, *analyses = _analyses(files, [_step_harness(files, manifest, _draw_finite), *others])
     step = _analyse_split_inputs(files, manifest, step)
     return Proof(
         design=manifest["design"],
-        proved=len(step.proved) + len(init.proved),
-        claims=len(_claims("output", outputs)) + 2 * len(_claims("state", states)),
-        alarms=(*sorted(init.alarms), *sorted(step.alarms)),
-        unproved=(*sorted(refuted), *sorted(init.unproved), *sorted(step.unproved)),
-        trusted=tuple(sorted(init.trusted | step.trusted)),
+        proved=len(step.proved) + sum(len(a.proved) for a in analyses),
+        claims=len(_claims("output", outputs)) + (1 + len(others)) * len(_claims("state", states)),
+        alarms=tuple(alarm for a in (*analyses, step) for alarm in sorted(a.alarms)),
+        unproved=(*sorted(refuted), *(claim for a in (*analyses, step) for claim in sorted(a.unproved))),
+        trusted=tuple(sorted(step.trusted.union(*(a.trusted for a in analyses)))),
         admitted=admitted,
     )
 
@@ -206,10 +207,25 @@ def _init_harness(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
     return _harness(files, manifest, body)
 
 
+def _tune_harnesses(files: Mapping[str, str], manifest: Mapping[str, Any]) -> list[str]:
+    """Return the harness of the function that changes constants between steps, where there is one."""
+    if "tuning" not in manifest:
+        return []
+    states = contract.members(manifest, "state")
+    body = [
+        *(_draw("state", m, m.literal(m.low), m.literal(m.high)) for m in states),
+        *(_draw("parameters", m, *_all_finite(m)) for m in contract.members(manifest, "parameters")),
+        "unsigned int left = Frama_C_unsigned_int_interval(0u, 0xffffffffu);",
+        f"{manifest['tuning']['functions']['tune']}(&state, &parameters, left);",
+        *_claims("state", states),
+    ]
+    return [_harness(files, manifest, body)]
+
+
 def _harness(files: Mapping[str, str], manifest: Mapping[str, Any], body: Sequence[str]) -> str:
     includes = [f'#include "{name}"' for name in contract.headers(files)]
     # Locals start uninitialised: reading a member that was not written, or is missing in the manifest, is an alarm.
-    structs = [f"{manifest['structs'][role]['type']} {role};" for role in ("state", "input", "output")]
+    structs = [f"{manifest['structs'][role]['type']} {role};" for role in manifest["structs"]]
     lines = [*includes, "#include <float.h>", '#include "__fc_builtin.h"', _BODIES, "void drive(void) {"]
     return "\n".join([*lines, *structs, "int part = Frama_C_interval(0, 2);", *body, "//@ check \\false;", "}", ""])
 

@@ -116,10 +116,10 @@ static void set_special(void *record, const member_t *m, bytes_t *bytes)
     else set_bits(record, m, bytes);
 }
 
-static void draw_input(void *input, bytes_t *bytes)
+static void draw_input(void *input, const member_t *members, size_t count, bytes_t *bytes)
 {
-    for (size_t k = 0; k < COUNT(INPUTS); k++) {
-        const member_t *m = &INPUTS[k];
+    for (size_t k = 0; k < count; k++) {
+        const member_t *m = &members[k];
         switch (byte(bytes) & 15u) {
         case 0: set_bits(input, m, bytes); break;
         case 1: set_special(input, m, bytes); break;
@@ -181,6 +181,26 @@ static void require_faults(uint32_t found, uint32_t before, uint32_t called_for,
         finding("latch", "from init", 1.0, 0.0, 0.0);
 }
 
+#ifdef TUNE
+/* Parameters that are sound, out of range, not finite or half of a change; those that are refused change nothing. */
+static void tune(state_t *state, bytes_t *bytes)
+{
+    parameters_t wanted;
+    if (byte(bytes) & 1u) draw_input(&wanted, PARAMETERS, COUNT(PARAMETERS), bytes);
+    else for (size_t k = 0; k < COUNT(PARAMETERS); k++) set(&wanted, &PARAMETERS[k], between(bytes, &PARAMETERS[k]));
+    const bool is_whole = (byte(bytes) & 3u) != 0u;
+    wanted.check = CHECK(&wanted) ^ (is_whole ? 0u : 1u + byte(bytes));
+    const uint32_t left = byte(bytes);
+    bool is_sound = is_whole && left > 0u;
+    for (size_t k = 0; k < COUNT(PARAMETERS); k++) is_sound = is_sound && within(get(&wanted, &PARAMETERS[k]), &PARAMETERS[k]);
+    const state_t before = *state;
+    const bool is_taken = TUNE(state, &wanted, left) == 0u;
+    if (is_taken != is_sound) finding("taken parameters", "", is_taken, is_sound, is_sound);
+    if (!is_taken && memcmp(&before, state, sizeof before) != 0) finding("change by refused parameters", "", 1.0, 0.0, 0.0);
+    require_bounds("tuned state", state, STATES, COUNT(STATES));
+}
+#endif
+
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
     (void)argc;
@@ -203,7 +223,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!from_init) draw_state(state, &bytes);
     for (int k = 0; k < STEPS_A_RUN; k++) {
         memset(output, 0xff, sizeof *output); /* NaN until written */
-        draw_input(input, &bytes);
+        draw_input(input, INPUTS, COUNT(INPUTS), &bytes);
+#ifdef TUNE
+        tune(state, &bytes);
+#endif
         const uint32_t before = faults, called_for = expected(input);
         faults = STEP(state, input, output);
         steps++;

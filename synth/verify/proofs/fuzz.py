@@ -171,7 +171,10 @@ def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
         [
             *(f'#include "{name}"' for name in contract.headers(files)),
             *(f"typedef {structs[role]['type']} {role}_t;" for role in structs),
-            *(_table(f"{role.upper()}S", structs[role]["type"], contract.members(manifest, role)) for role in structs),
+            *(
+                _table(f"{role.upper().rstrip('S')}S", structs[role]["type"], contract.members(manifest, role))
+                for role in structs
+            ),
             f"static const fault_t FAULTS[] = {{{', '.join(_faults(manifest, inputs))}}};",
             f"#define SUSPECTS {suspects:#x}u",
             f"#define DECIDED {suspects | others:#x}u",
@@ -182,6 +185,7 @@ def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
             f"#define LATCHES_LATER {int(judgement is not None)}",
             f"#define INIT {functions['init']}",
             f"#define STEP {functions['step']}",
+            *(f"#define {name.upper()} {of}" for name, of in manifest.get("tuning", {}).get("functions", {}).items()),
             "",
         ]
     )

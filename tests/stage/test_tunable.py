@@ -1,0 +1,116 @@
+"""Constants that are tuned on the machine: bits at the default, at other values and on the way, and what is refused."""
+
+import ctypes
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from designs.levitator_2dof import design as levitator
+from synth.app import standard_tasks
+from synth.declare.stage import Stage
+from synth.execute import host
+from synth.execute.host import Controller
+from synth.simulate import rig as rigs
+from synth.stage import tunable
+
+DESIGN = levitator.DESIGN
+TUNED = {f.name: f.value for f in levitator.FREE} | {"damping_z": 1700.0}
+
+
+def without_bench(stage: Stage) -> Stage:
+    assert stage.tuning is not None
+    return replace(stage, tuning=replace(stage.tuning, bench=None))
+
+
+@cache
+def tuned() -> Controller:
+    return host.compile_block(tunable.shipped(DESIGN))
+
+
+def values(of: Mapping[str, float]) -> dict[str, float]:
+    assert DESIGN.tuning is not None
+    constants = tunable.constants_at(DESIGN.tuning, of)
+    return {n: constants[n] for n in tuned().manifest["tuning"]["default"]}
+
+
+@cache
+def inputs() -> Mapping[str, np.ndarray]:
+    return standard_tasks.record(rigs.of_stage(DESIGN, tuned()))
+
+
+def bits(controller: Controller, state: host.Records | None = None) -> list[bytes]:
+    outputs = controller.replay(inputs(), state).outputs
+    return [outputs[name].tobytes() for name in sorted(outputs)]
+
+
+def test_untuned_the_outputs_have_the_bits_of_the_law_without_a_bench() -> None:
+    assert bits(tuned()) == bits(host.compile_block(without_bench(DESIGN).controller.block))
+
+
+def test_tuned_the_outputs_have_the_bits_of_the_law_with_these_parameters() -> None:
+    state = tuned().init()
+    assert tuned().tune(state, values(TUNED)) == 0
+    other = host.compile_block(levitator.controller(TUNED).block)
+    assert bits(tuned(), state) == bits(other) != bits(tuned())
+
+
+def test_on_the_way_each_constant_lies_between_its_ends_and_arrives() -> None:
+    state, target = tuned().init(), values(TUNED)
+    start = {n: float(state[n]) for n in target}
+    calls = tuned().manifest["tuning"]["calls"]
+    assert calls == 200  # 0.1 s at 2 kHz
+    last = dict(start)
+    for left in range(calls, 0, -1):
+        assert tuned().tune(state, target, left) == 0
+        for n, value in target.items():
+            end = np.float32(value)
+            ahead = np.sign(end - start[n])
+            assert (float(state[n]) - last[n]) * ahead >= 0 and (end - float(state[n])) * ahead >= 0, n
+            last[n] = float(state[n])
+    assert last == {n: float(np.float32(value)) for n, value in target.items()}
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, "below", "above"])
+@pytest.mark.parametrize("name", ["servo_z_w_z_command_from_sum", "servo_z_start_sum_from_z_held"])
+def test_a_value_that_is_not_in_its_range_changes_nothing(name: str, bad: float | str) -> None:
+    fields = {f["name"]: f for f in tuned().manifest["structs"]["parameters"]["fields"]}
+    ends = {"below": fields[name]["low"], "above": fields[name]["high"]}
+    outside = {"below": -np.inf, "above": np.inf}
+    value = np.nextafter(np.float32(ends[bad]), np.float32(outside[bad])) if isinstance(bad, str) else bad
+    state = tuned().init()
+    assert tuned().tune(state, values(TUNED) | {name: float(value)}) == 2
+    assert state.tobytes() == tuned().init().tobytes()
+    if isinstance(bad, str):
+        assert tuned().tune(state, values(TUNED) | {name: ends[bad]}) == 0
+
+
+def test_half_of_a_change_changes_nothing() -> None:
+    """Every split of a write, from either end, is refused, whether the check is written or not."""
+    old, new = tuned().parameters(values(TUNED)), tuned().parameters(tuned().manifest["tuning"]["default"])
+    names = list(old.dtype.names or ())
+    refused = 0
+    for k in range(1, len(names)):
+        for first, second in ((old, new), (new, old)):
+            torn = second.copy()
+            for n in names[:k]:
+                torn[n] = first[n]
+            if torn.tobytes() in (old.tobytes(), new.tobytes()):
+                continue
+            state = tuned().init()
+            assert call(state, torn) == 1 and state.tobytes() == tuned().init().tobytes()
+            refused += 1
+    assert refused == 2 * (len(names) - 1)
+
+
+def call(state: host.Records, parameters: host.Records, left: int = 1) -> int:
+    move = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint32)
+    tune = move((tuned().manifest["tuning"]["functions"]["tune"], tuned().library))
+    return int(tune(state.ctypes.data, parameters.ctypes.data, left))
+
+
+def test_no_call_left_changes_nothing() -> None:
+    state = tuned().init()
+    assert tuned().tune(state, values(TUNED), 0) == 4 and state.tobytes() == tuned().init().tobytes()
