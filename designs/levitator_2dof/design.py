@@ -114,6 +114,6 @@ DESIGN = stage.design(
     ),
     safe_output=stage.read_safe_output(Path(__file__).with_name("safe_output.json")),
     most_instructions=600,  # of a sample on a Cortex-M4F
-    tuning=Tuning(FREE, controller, require={"disk_margin": 0.4}, bench=Bench({"damping_z": (5e2, 2e3)})),
+    tuning=Tuning(FREE, controller, require={"disk_margin": 0.4}, bench=Bench({"damping_z": (6e2, 1.6e3)})),
     about=__doc__,
 )

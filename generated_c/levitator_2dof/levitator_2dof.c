@@ -350,7 +350,7 @@ const levitator_2dof_parameters_t levitator_2dof_parameters_default = {
     .servo_z_w_z_command_from_z_held = -510253.0f,
     .servo_z_w_z_command_from_z_ref_held = 72248.88f,
     .servo_z_start_sum_from_z_held = -44.73818f,
-    .check = 0xdd88bb9eu,
+    .check = 0x1abeccc4u,
 };
 
 static inline uint32_t levitator_2dof_mixed(uint32_t check, float value)
@@ -367,7 +367,7 @@ static inline uint32_t levitator_2dof_mixed(uint32_t check, float value)
 
 static inline uint32_t levitator_2dof_checked(const levitator_2dof_parameters_t *parameters)
 {
-    uint32_t check = 0xb8506d98u;
+    uint32_t check = 0x2d0ece07u;
     check = levitator_2dof_mixed(check, parameters->servo_z_next_sum_from_w_z_excess);
     check = levitator_2dof_mixed(check, parameters->servo_z_next_p1_from_w_z_excess);
     check = levitator_2dof_mixed(check, parameters->servo_z_next_q1_from_w_z_excess);
@@ -405,32 +405,32 @@ uint32_t levitator_2dof_tune(levitator_2dof_state_t *state, const levitator_2dof
     uint32_t left)
 {
     static const levitator_2dof_parameters_t low = {
-        .servo_z_next_sum_from_w_z_excess = -1.7074202e-05f,
-        .servo_z_next_p1_from_w_z_excess = 3.2361768e-07f,
-        .servo_z_next_q1_from_w_z_excess = -1.6324953e-05f,
-        .servo_z_w_z_command_from_sum = -1089.8962f,
-        .servo_z_w_z_command_from_p1 = -5343.3784f,
-        .servo_z_w_z_command_from_q1 = -1738.2772f,
-        .servo_z_w_z_command_from_z_predicted = 361313.84f,
-        .servo_z_w_z_command_from_vz_predicted = -676.9391f,
-        .servo_z_w_z_command_from_w_z_late1_predicted = -0.32358837f,
-        .servo_z_w_z_command_from_z_held = -558293.2f,
-        .servo_z_w_z_command_from_z_ref_held = 71705.07f,
-        .servo_z_start_sum_from_z_held = -46.183f,
+        .servo_z_next_sum_from_w_z_excess = -1.6943117e-05f,
+        .servo_z_next_p1_from_w_z_excess = 3.2759425e-07f,
+        .servo_z_next_q1_from_w_z_excess = -1.630662e-05f,
+        .servo_z_w_z_command_from_sum = -1086.9495f,
+        .servo_z_w_z_command_from_p1 = -4997.1733f,
+        .servo_z_w_z_command_from_q1 = -1734.2896f,
+        .servo_z_w_z_command_from_z_predicted = 367649.53f,
+        .servo_z_w_z_command_from_vz_predicted = -651.93317f,
+        .servo_z_w_z_command_from_w_z_late1_predicted = -0.31114995f,
+        .servo_z_w_z_command_from_z_held = -540348.8f,
+        .servo_z_w_z_command_from_z_ref_held = 71827.25f,
+        .servo_z_start_sum_from_z_held = -45.642223f,
     };
     static const levitator_2dof_parameters_t high = {
-        .servo_z_next_sum_from_w_z_excess = -1.6523998e-05f,
-        .servo_z_next_p1_from_w_z_excess = 3.712697e-07f,
-        .servo_z_next_q1_from_w_z_excess = -1.6077991e-05f,
-        .servo_z_w_z_command_from_sum = -1054.7751f,
-        .servo_z_w_z_command_from_p1 = -1311.1482f,
-        .servo_z_w_z_command_from_q1 = -1687.7031f,
-        .servo_z_w_z_command_from_z_predicted = 436502.66f,
-        .servo_z_w_z_command_from_vz_predicted = -569.11334f,
-        .servo_z_w_z_command_from_w_z_late1_predicted = -0.26997098f,
-        .servo_z_w_z_command_from_z_held = -480822.3f,
-        .servo_z_w_z_command_from_z_ref_held = 73074.34f,
-        .servo_z_start_sum_from_z_held = -43.857235f,
+        .servo_z_next_sum_from_w_z_excess = -1.656921e-05f,
+        .servo_z_next_p1_from_w_z_excess = 3.6010113e-07f,
+        .servo_z_next_q1_from_w_z_excess = -1.6142458e-05f,
+        .servo_z_w_z_command_from_sum = -1062.9623f,
+        .servo_z_w_z_command_from_p1 = -2227.7559f,
+        .servo_z_w_z_command_from_q1 = -1700.2103f,
+        .servo_z_w_z_command_from_z_predicted = 419054.75f,
+        .servo_z_w_z_command_from_vz_predicted = -578.2044f,
+        .servo_z_w_z_command_from_w_z_late1_predicted = -0.27449024f,
+        .servo_z_w_z_command_from_z_held = -487361.6f,
+        .servo_z_w_z_command_from_z_ref_held = 72776.42f,
+        .servo_z_start_sum_from_z_held = -44.05281f,
     };
 
     /* One copy: what is checked is what is taken. */

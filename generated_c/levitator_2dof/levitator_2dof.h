@@ -58,24 +58,25 @@ typedef struct {
 } levitator_2dof_output_t;
 
 typedef struct {
-    /* m/m s^2, -1.70742e-05 .. -1.6524e-05: servo of z: next_sum from w_z_excess */
+    /* m/m s^2, -1.69431e-05 .. -1.65692e-05: servo of z: next_sum from w_z_excess */
     float servo_z_next_sum_from_w_z_excess;
-    float servo_z_next_p1_from_w_z_excess; /* m/m s^2, 3.23618e-07 .. 3.7127e-07: servo of z: next_p1 from w_z_excess */
-    /* m/m s^2, -1.6325e-05 .. -1.6078e-05: servo of z: next_q1 from w_z_excess */
+    /* m/m s^2, 3.27594e-07 .. 3.60101e-07: servo of z: next_p1 from w_z_excess */
+    float servo_z_next_p1_from_w_z_excess;
+    /* m/m s^2, -1.63066e-05 .. -1.61425e-05: servo of z: next_q1 from w_z_excess */
     float servo_z_next_q1_from_w_z_excess;
-    float servo_z_w_z_command_from_sum; /* m/s^2/m, -1089.9 .. -1054.78: servo of z: w_z_command from sum */
-    float servo_z_w_z_command_from_p1;  /* m/s^2/m, -5343.38 .. -1311.15: servo of z: w_z_command from p1 */
-    float servo_z_w_z_command_from_q1;  /* m/s^2/m, -1738.28 .. -1687.7: servo of z: w_z_command from q1 */
-    /* m/s^2/m, 361314 .. 436503: servo of z: w_z_command from z_predicted */
+    float servo_z_w_z_command_from_sum; /* m/s^2/m, -1086.95 .. -1062.96: servo of z: w_z_command from sum */
+    float servo_z_w_z_command_from_p1;  /* m/s^2/m, -4997.17 .. -2227.76: servo of z: w_z_command from p1 */
+    float servo_z_w_z_command_from_q1;  /* m/s^2/m, -1734.29 .. -1700.21: servo of z: w_z_command from q1 */
+    /* m/s^2/m, 367650 .. 419055: servo of z: w_z_command from z_predicted */
     float servo_z_w_z_command_from_z_predicted;
-    /* m/s^2/m s, -676.939 .. -569.113: servo of z: w_z_command from vz_predicted */
+    /* m/s^2/m s, -651.933 .. -578.204: servo of z: w_z_command from vz_predicted */
     float servo_z_w_z_command_from_vz_predicted;
-    /* m/s^2/m s^2, -0.323588 .. -0.269971: servo of z: w_z_command from w_z_late1_predicted */
+    /* m/s^2/m s^2, -0.31115 .. -0.27449: servo of z: w_z_command from w_z_late1_predicted */
     float servo_z_w_z_command_from_w_z_late1_predicted;
-    float servo_z_w_z_command_from_z_held; /* m/s^2/m, -558293 .. -480822: servo of z: w_z_command from z_held */
-    /* m/s^2/m, 71705.1 .. 73074.3: servo of z: w_z_command from z_ref_held */
+    float servo_z_w_z_command_from_z_held; /* m/s^2/m, -540349 .. -487362: servo of z: w_z_command from z_held */
+    /* m/s^2/m, 71827.2 .. 72776.4: servo of z: w_z_command from z_ref_held */
     float servo_z_w_z_command_from_z_ref_held;
-    float servo_z_start_sum_from_z_held; /* m/m, -46.183 .. -43.8572: servo of z: start_sum from z_held */
+    float servo_z_start_sum_from_z_held; /* m/m, -45.6422 .. -44.0528: servo of z: start_sum from z_held */
     uint32_t check;                     /* 1, 0 .. 4.29497e+09: of the bits of the others */
 } levitator_2dof_parameters_t;
 
@@ -100,7 +101,7 @@ extern const levitator_2dof_parameters_t levitator_2dof_parameters_default;
 uint32_t levitator_2dof_parameters_check(const levitator_2dof_parameters_t *parameters);
 
 /* Move the constants of the law to `parameters`, which do not change during the call: one call between two
- * steps, with `left` = 200, 199, .. 1. With 1 they are reached. It returns 0, or why nothing is changed:
+ * steps, `left` = 200, 199, .. 1. With 1 they are reached. It returns 0, or why nothing is changed:
  *   bit 0  the check does not fit the values: half of a change, or parameters of other C
  *   bit 1  a value is not finite, or outside its range
  *   bit 2  no call is left
@@ -129,20 +130,21 @@ typedef struct {
     float vz_predicted;                 /* m/s, -1.3 .. 1.3: estimate of the next sample */
     float w_z_late1_predicted;          /* m/s^2, -57 .. 57: limited command that acts next */
     uint32_t started;                   /* 1, 0 .. 1: the first sample is over */
-    float next_sum_from_w_z_excess;     /* m/m s^2, -1.70742e-05 .. -1.6524e-05: servo of z: next_sum from w_z_excess */
-    float next_p1_from_w_z_excess;      /* m/m s^2, 3.23618e-07 .. 3.7127e-07: servo of z: next_p1 from w_z_excess */
-    float next_q1_from_w_z_excess;      /* m/m s^2, -1.6325e-05 .. -1.6078e-05: servo of z: next_q1 from w_z_excess */
-    float w_z_command_from_sum;         /* m/s^2/m, -1089.9 .. -1054.78: servo of z: w_z_command from sum */
-    float w_z_command_from_p1;          /* m/s^2/m, -5343.38 .. -1311.15: servo of z: w_z_command from p1 */
-    float w_z_command_from_q1;          /* m/s^2/m, -1738.28 .. -1687.7: servo of z: w_z_command from q1 */
-    float w_z_command_from_z_predicted; /* m/s^2/m, 361314 .. 436503: servo of z: w_z_command from z_predicted */
-    /* m/s^2/m s, -676.939 .. -569.113: servo of z: w_z_command from vz_predicted */
+    /* m/m s^2, -1.69431e-05 .. -1.65692e-05: servo of z: next_sum from w_z_excess */
+    float next_sum_from_w_z_excess;
+    float next_p1_from_w_z_excess;      /* m/m s^2, 3.27594e-07 .. 3.60101e-07: servo of z: next_p1 from w_z_excess */
+    float next_q1_from_w_z_excess;      /* m/m s^2, -1.63066e-05 .. -1.61425e-05: servo of z: next_q1 from w_z_excess */
+    float w_z_command_from_sum;         /* m/s^2/m, -1086.95 .. -1062.96: servo of z: w_z_command from sum */
+    float w_z_command_from_p1;          /* m/s^2/m, -4997.17 .. -2227.76: servo of z: w_z_command from p1 */
+    float w_z_command_from_q1;          /* m/s^2/m, -1734.29 .. -1700.21: servo of z: w_z_command from q1 */
+    float w_z_command_from_z_predicted; /* m/s^2/m, 367650 .. 419055: servo of z: w_z_command from z_predicted */
+    /* m/s^2/m s, -651.933 .. -578.204: servo of z: w_z_command from vz_predicted */
     float w_z_command_from_vz_predicted;
-    /* m/s^2/m s^2, -0.323588 .. -0.269971: servo of z: w_z_command from w_z_late1_predicted */
+    /* m/s^2/m s^2, -0.31115 .. -0.27449: servo of z: w_z_command from w_z_late1_predicted */
     float w_z_command_from_w_z_late1_predicted;
-    float w_z_command_from_z_held;      /* m/s^2/m, -558293 .. -480822: servo of z: w_z_command from z_held */
-    float w_z_command_from_z_ref_held;  /* m/s^2/m, 71705.1 .. 73074.3: servo of z: w_z_command from z_ref_held */
-    float start_sum_from_z_held;        /* m/m, -46.183 .. -43.8572: servo of z: start_sum from z_held */
+    float w_z_command_from_z_held;      /* m/s^2/m, -540349 .. -487362: servo of z: w_z_command from z_held */
+    float w_z_command_from_z_ref_held;  /* m/s^2/m, 71827.2 .. 72776.4: servo of z: w_z_command from z_ref_held */
+    float start_sum_from_z_held;        /* m/m, -45.6422 .. -44.0528: servo of z: start_sum from z_held */
 } levitator_2dof_servo_z_state_t;
 
 typedef struct {

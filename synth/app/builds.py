@@ -94,7 +94,7 @@ def build(stage: Stage) -> Task[Built]:
         tasks.loops(stage),
     )
     simulate, study, campaign = tasks.experiments(stage), tasks.brief_study(stage), tasks.faults(stage)
-    audit, cost = tasks.audit(stage), tasks.brief_cost(stage)
+    audit, cost, on_bench = tasks.audit(stage), tasks.brief_cost(stage), tasks.on_bench(stage)
 
     def compute(say: Progress) -> Built:
         failed: list[Check] = []
@@ -112,8 +112,9 @@ def build(stage: Stage) -> Task[Built]:
         table, measured = result("study", study.result), result("cost", cost.result)
         if table is not None:
             table = result("limits of the study", lambda _: verdicts.with_limits(stage, table), table)
+        bench = result("margins on the bench", on_bench.result)
         made = verdicts.of_build(stage, loops, table, faults, rows, measured)
-        evidence = replace(evidence, loops=loops, faults=faults, study=table, verdicts=made)
+        evidence = replace(evidence, loops=loops, faults=faults, study=table, bench=bench, verdicts=made)
         say("report")
         draw = partial(_draw, stage, files, evidence, runs, rows, measured)
         page, lost = attempt(draw, "report", "")
@@ -127,7 +128,7 @@ def build(stage: Stage) -> Task[Built]:
         return built
 
     try:
-        inputs: list[Task[Any]] = [emit, witnesses, margins, simulate, study, campaign, audit, cost]
+        inputs: list[Task[Any]] = [emit, witnesses, margins, simulate, study, campaign, audit, cost, on_bench]
         keys = [task.key() for task in inputs]
     except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (_draw, object()))
@@ -194,6 +195,7 @@ def _build_jobs(stage: Stage, root: Path, key: str) -> list[Job]:
         ("verify", tasks.verification(stage, False), (first,)),
         ("margins", tasks.loops(stage), (first,)),
         ("cost", tasks.brief_cost(stage), (first,)),
+        ("margins on the bench", tasks.on_bench(stage), (first,)),
         ("audit", tasks.audit(stage), (first,)),
     )
     for _, task, _ in each:

@@ -282,11 +282,27 @@ def tune(
     seed: Annotated[int, typer.Option(min=0, help="seed of the machines and of the search")] = 0,
     generations: Annotated[int, typer.Option(min=1, help="generations of each of the three runs")] = 4,
     report: Annotated[Path | None, typer.Option(help="file for a page with the Pareto front, as HTML")] = None,
+    chosen: Annotated[
+        list[str] | None, typer.Option("--set", help="name=value on the bench, instead of a search: its margins")
+    ] = None,
+    write: Annotated[
+        Path | None, typer.Option(help="file for the constants of --set, which the running loop takes")
+    ] = None,
+    bench: Annotated[
+        bool, typer.Option("--bench", help="margins over the ranges of the bench, instead of a search")
+    ] = False,
 ) -> None:
-    """Search the free parameters of a law for values that reach the requirements: a proposal with its certificate."""
+    """Search the free parameters of a law for values that reach the requirements: a proposal with its certificate.
+
+    With --set or --bench: margins of values that are tuned on the running machine, and the file that it takes.
+    """
     from synth.app import tune_command
     from synth.declare.tuning import Plan
 
+    if write is not None and not chosen:
+        raise typer.BadParameter("--write needs the values of --set")
+    if chosen or bench:
+        raise typer.Exit(tune_command.tune_on_bench(name, as_json, chosen or (), write))
     raise typer.Exit(tune_command.tune(name, as_json, tune_command.TuneChoice(Plan(plants, seed, generations), report)))
 
 

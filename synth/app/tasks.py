@@ -9,17 +9,19 @@ not cached.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache as once
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from synth.analyse.loops.robustness import ClosedLoop, Survey
-from synth.app import fault_jobs, standard_tasks, study_runs, verdicts
+from synth.app import bench, fault_jobs, standard_tasks, study_runs, verdicts
 from synth.base import cache, progress, slices, store
 from synth.base.progress import Progress, silent
 from synth.check import Check, Incomplete, of_error
 from synth.declare.fault_campaign import FaultCampaign, StudyLimits
 from synth.declare.stage import Stage
+from synth.declare.tuning import BenchMargins
 from synth.emit.c import manifest
 from synth.emit.write import EmittedCode
 from synth.errors import ContentError
@@ -139,6 +141,14 @@ def brief_study(stage: Stage) -> Task[StudyTable | None]:
         return Task("study", nothing, (nothing,))
     loop = _closed_loop(stage, StudyLimits(experiments=stage.study.experiments))
     return Task("study", lambda say: study_runs.brief(stage, say), (study_runs.brief, loop))
+
+
+def on_bench(stage: Stage) -> Task[BenchMargins | None]:
+    """Return the task of the margins over the bench of a stage; its result is None for a stage without one."""
+    if stage.tuning is None or stage.tuning.bench is None:
+        return Task("margins on the bench", nothing, (nothing,))
+    loop = replace(_closed_loop(stage, StudyLimits()), require=stage.require)
+    return Task("margins on the bench", partial(bench.over, loop), (bench.over, loop))
 
 
 def audit(stage: Stage) -> Task[list[Row]]:

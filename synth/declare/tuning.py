@@ -187,3 +187,27 @@ class Tuned:
     def passed(self) -> bool:
         """Whether the proposal reaches every goal and its certificate holds."""
         return self.proposal.worst <= 1 and all(check.passed for check in self.certificate.checks)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """The least margins by name, NaN for a stage without loops, with values of the bench's free parameters.
+
+    `missed` are the names of those below what is required.
+    """
+
+    values: Mapping[str, float]
+    margins: Mapping[str, float]
+    missed: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class BenchMargins:
+    """All that was tried over the ranges of a bench, in order, and the least of each margin with where it occurs."""
+
+    tried: tuple[Tried, ...]
+
+    @property
+    def least(self) -> dict[str, Tried]:
+        """The place of the least value of each margin."""
+        return {name: min(self.tried, key=lambda t: t.margins[name]) for name in self.tried[0].margins}

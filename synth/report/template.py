@@ -20,7 +20,7 @@ from synth.analyse.loops.robustness import Survey
 from synth.check import Check, Incomplete, of_error
 from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
-from synth.report import faults, first_screen, page, prose, sections, standard, study
+from synth.report import faults, first_screen, page, prose, sections, standard, study, tuning
 from synth.report.audit import Row
 from synth.report.equations.derive import NamedTerms
 from synth.report.page import Section
@@ -150,6 +150,7 @@ def _declared_sections(
         standard.LAW: lambda: standard.law(block, extra.law),
         standard.GAINS: lambda: standard.gains(gains),
         standard.LOOPS: lambda: loops(evidence.loops),
+        **({tuning.BENCH: partial(tuning.bench_section, stage, evidence.bench)} if evidence.bench else {}),
     }
 
 

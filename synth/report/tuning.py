@@ -1,7 +1,8 @@
 """Page of a tuning: proposed values beside the declared ones, goals, margins, certificate, and the Pareto front."""
 
 from synth import show
-from synth.declare.tuning import Candidate, Goal, Tuned, Tuning
+from synth.declare.stage import Stage
+from synth.declare.tuning import BenchMargins, Candidate, Goal, Tuned, Tuning
 from synth.report import page
 from synth.report.page import Checks, Section
 from synth.show import Table
@@ -36,6 +37,43 @@ def _goal(before: Goal | None, goal: Goal) -> tuple[show.Cell, ...]:
     name = f"least {goal.name.replace('_', ' ')}" if goal.is_margin else goal.name
     old, ratio = (before.value, before.ratio) if before else ("", "")
     return name, goal.unit, goal.limit, old, goal.value, ratio, goal.ratio
+
+
+BENCH = "Tuned on the machine"
+
+
+def bench_sheet(stage: Stage, found: BenchMargins) -> show.Sheet:
+    """Return the margins of what was tried on the bench of a stage, and where the least ones occur."""
+    names, required = tuple(found.tried[0].values), stage.require
+    margins = tuple(found.tried[0].margins)
+    heads = tuple(m.replace("_", " ") for m in margins)
+    rows: list[tuple[show.Cell, ...]] = [
+        (*([""] * (len(names) - 1)), "required", *(required.get(m, "") for m in margins), "")
+    ]
+    for t in found.tried:
+        rows.append((*t.values.values(), *t.margins.values(), ", ".join(t.missed).replace("_", " ") or "none"))
+    least: list[tuple[show.Cell, ...]] = [
+        (head, found.least[m].margins[m], *found.least[m].values.values())
+        for head, m in zip(heads, margins, strict=True)
+    ]
+    kept = [t.values for t in found.tried if not t.missed]
+    where = (
+        ", ".join(f"{n} {min(v[n] for v in kept):.6g} .. {max(v[n] for v in kept):.6g}" for n in names) if kept else ""
+    )
+    lines = [
+        f"All that is required holds at {len(kept)} of {len(found.tried)} places that were tried"
+        + (f", within {where}." if kept else "."),
+        "The least margins are found by search; the C keeps its ranges at every value, by proof.",
+    ]
+    tables = [show.Table("Margins on the bench", (*names, *heads, "missed"), tuple(rows))]
+    tables += [show.Table("Least margins", ("margin", "least", *names), tuple(least))] if len(found.tried) > 1 else []
+    return show.Sheet(f"{stage.name} on the bench", tuple(lines), tuple(tables))
+
+
+def bench_section(stage: Stage, found: BenchMargins) -> Section:
+    """Return the section of a report on the bench of its stage."""
+    sheet = bench_sheet(stage, found)
+    return Section(BENCH, (page.Text("\n\n".join(sheet.lines)), *sheet.tables))
 
 
 def notes(tuned: Tuned) -> list[str]:

@@ -21,6 +21,7 @@ from synth.analyse.loops.robustness import Survey
 from synth.block import Block
 from synth.check import Check
 from synth.declare.stage import Reference
+from synth.declare.tuning import BenchMargins
 from synth.execute import host
 from synth.simulate import study_table
 from synth.simulate.faults.fault_table import Campaign
@@ -34,8 +35,9 @@ from synth.verify.agree import Agreement, Columns, StepResults
 class Evidence:
     """Agreements between witnesses and the checks that follow from them; what else a build measured, where it did.
 
-    `loops` are the loops with their margins, `faults` the campaign, `study` the study. `verdicts` are the checks that
-    the toolkit makes of these and of audit and cost, by title of the section of the report that shows them.
+    `loops` are the loops with their margins, `bench` the margins over the bench, `faults` the campaign, `study` the
+    study. `verdicts` are the checks that the toolkit makes of these and of audit and cost, by title of the section of
+    the report that shows them.
     """
 
     design: str
@@ -44,6 +46,7 @@ class Evidence:
     faults: Campaign | None = None
     study: StudyTable | None = None
     loops: Survey | None = None
+    bench: BenchMargins | None = None
     verdicts: Mapping[str, Sequence[Check]] = field(default_factory=dict)
 
     def sheet(self) -> show.Sheet:
