@@ -65,7 +65,7 @@ QUESTIONS = frozenset(  # they return a truth value
     ]
 )
 DECORATORS = frozenset({"cached", "checked"})  # as `functools.cached_property`: they describe the decorated function
-NOUNS = frozenset({"r_squared"})  # no participle
+NOUNS = frozenset({"r_squared", "seed"})  # no participle
 
 
 def python() -> dict[str, str]:

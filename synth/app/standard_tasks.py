@@ -87,7 +87,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
 
 def with_casadi_c(stage: Stage, folders: Mapping[str, EmittedCode]) -> dict[str, EmittedCode]:
     """Return emitted files by folder with CasADi's own C of each Block in place of the emitted .c."""
-    blocks = {stage.name: tunable.shipped(stage)} | {c.name: c.block for c in stage.companions}
+    blocks = {stage.name: tunable.with_bench(stage)} | {c.name: c.block for c in stage.companions}
     errors = {np.dtype(t).name: error for t, error in stage.surrogate_error.items()}
     return {n: write.with_casadi_c(e, blocks[n], errors.get(e.manifest["scalar"])) for n, e in folders.items()}
 
@@ -157,7 +157,7 @@ def _call_order(stage: Stage) -> list[str]:
 
 def _with_measured_safe_output(stage: Stage) -> Block:
     """Return the controller's Block, with the measured effect of the safe output appended to that declared."""
-    block = tunable.shipped(stage)
+    block = tunable.with_bench(stage)
     block = replace(block, failures=with_reactions(block.failures, stage.reactions, stage.used_instead))
     if stage.safe_output is None or block.safety is None:
         return block

@@ -178,7 +178,7 @@ def brief_cost(stage: Stage) -> Task[Cost | None]:
         files = emission(stage, stage.scalar).result(silent)[stage.name]
         say("cost")
         inputs = standard_tasks.replay_inputs(stage, host.load(files.files, files.manifest))
-        return _with_law_alone(stage, meter.brief(files, tunable.shipped(stage), inputs), inputs)
+        return _with_law_alone(stage, meter.brief(files, tunable.with_bench(stage), inputs), inputs)
 
     return Task("cost", compute, (meter.brief, *_of_cost(stage)))
 
@@ -207,7 +207,7 @@ def whole_cost(stage: Stage) -> Task[Cost]:
         files = emission(stage, np.float32).result(say)[stage.name]
         controller = host.load(files.files, files.manifest)
         sequences = standard_tasks.cost_sequences(stage, controller, say)
-        cost = meter.measure(files, tunable.shipped(stage), sequences, say)
+        cost = meter.measure(files, tunable.with_bench(stage), sequences, say)
         return _with_law_alone(stage, cost, standard_tasks.replay_inputs(stage, controller))
 
     return Task("cost", compute, (meter.measure, *_of_cost(stage)))

@@ -53,18 +53,18 @@ def tune_on_bench(name: str, as_json: bool, chosen: Sequence[str], write_to: Pat
         write, begun = writer(as_json), monotonic()
         with progress.display(1, lambda about, line: write(about, f"{line}, {monotonic() - begun:.0f} s")) as display:
             display.begin(name, name)
-            found = bench.over(design, lambda line: display.report(name, name, line))
+            over_bench = bench.over(design, lambda line: display.report(name, name, line))
     else:
-        found = BenchMargins((bench.try_values(design, dict(_value(text) for text in chosen)),))
+        over_bench = BenchMargins((bench.try_values(design, dict(_value(text) for text in chosen)),))
     store.trim()
-    missed = chosen and found.tried[0].missed
+    missed = chosen and over_bench.tried[0].missed
     if as_json:
-        sys.stdout.write(contents.dumps(asdict(found)) + "\n")
+        sys.stdout.write(contents.dumps(asdict(over_bench)) + "\n")
     else:
-        tables.print_sheet(report.bench_sheet(design, found))
+        tables.print_sheet(report.bench_sheet(design, over_bench))
     if write_to is not None and not missed:
         emitted = tasks.emission(design, design.scalar).result(progress.silent)[design.name]
-        store.replace_text(write_to, bench.set_file(design, found.tried[0], emitted.manifest))
+        store.replace_text(write_to, bench.set_file(design, over_bench.tried[0], emitted.manifest))
     return int(bool(missed))
 
 

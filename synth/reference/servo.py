@@ -170,7 +170,7 @@ def command(axis: Servo, y: Array, r: Array, state: Columns, bounds: Bounds) -> 
     q = np.where(started, q, np.clip(q + y, *bounds[names[m]]))  # 0 after init: rests at y
     now = np.stack([q, *rates]) + along(k.M, y - q)
     prediction = along(k.A, *now) + along(k.B, late)
-    changed = tuned(axis, state)
+    changed = bench_gains(axis, state)
     at_rest = changed.get(("start_sum", "y"), -(k.on_x[0, 0] + k.on_r[0, 0]) / k.on_eta[0, 0]) * y
     eta[0] = np.where(
         started, eta[0], np.clip(eta[0] + at_rest, *bounds[names[0]])
@@ -184,19 +184,19 @@ def command(axis: Servo, y: Array, r: Array, state: Columns, bounds: Bounds) -> 
     return Command(u, prediction[0], along(k.propagate, *eta) + along(k.drive, y - r), prediction, E)
 
 
-def tuned(axis: Servo, state: Columns) -> dict[tuple[str, str], Array]:
+def bench_gains(axis: Servo, state: Columns) -> dict[tuple[str, str], Array]:
     """Return the gains that change on the machine, states ``servo_<name>_<row>_from_<column>``, by row and column.
 
     Rows are u, start_sum, and ``next_<state>`` of eta; columns are states, y, r, and excess.
     """
-    found = {}
+    gains_of = {}
     for name in state:
         row, of, column = name.removeprefix(f"servo_{axis.name}_").partition("_from_")
         if name.startswith(f"servo_{axis.name}_") and of:
             ends = {f"{axis.name}_held": "y", f"{column.removesuffix('_excess')}_excess": "excess"}
             column = ends.get(column, column if column in axis.states else "r")
-            found[row if row.startswith(("start_", "next_")) else "u", column] = np.asarray(state[name], np.float64)
-    return found
+            gains_of[row if row.startswith(("start_", "next_")) else "u", column] = np.asarray(state[name], np.float64)
+    return gains_of
 
 
 def next_state(axis: Servo, after: Command, made: Array, excess: Array, bounds: Bounds) -> dict[str, Array]:

@@ -42,37 +42,39 @@ def _goal(before: Goal | None, goal: Goal) -> tuple[show.Cell, ...]:
 BENCH = "Tuned on the machine"
 
 
-def bench_sheet(stage: Stage, found: BenchMargins) -> show.Sheet:
+def bench_sheet(stage: Stage, over_bench: BenchMargins) -> show.Sheet:
     """Return the margins of what was tried on the bench of a stage, and where the least ones occur."""
-    names, required = tuple(found.tried[0].values), stage.require
-    margins = tuple(found.tried[0].margins)
+    names, required = tuple(over_bench.tried[0].values), stage.require
+    margins = tuple(over_bench.tried[0].margins)
     heads = tuple(m.replace("_", " ") for m in margins)
     rows: list[tuple[show.Cell, ...]] = [
         (*([""] * (len(names) - 1)), "required", *(required.get(m, "") for m in margins), "")
     ]
-    for t in found.tried:
+    for t in over_bench.tried:
         rows.append((*t.values.values(), *t.margins.values(), ", ".join(t.missed).replace("_", " ") or "none"))
     least: list[tuple[show.Cell, ...]] = [
-        (head, found.least[m].margins[m], *found.least[m].values.values())
+        (head, over_bench.least[m].margins[m], *over_bench.least[m].values.values())
         for head, m in zip(heads, margins, strict=True)
     ]
-    kept = [t.values for t in found.tried if not t.missed]
+    kept = [t.values for t in over_bench.tried if not t.missed]
     where = (
         ", ".join(f"{n} {min(v[n] for v in kept):.6g} .. {max(v[n] for v in kept):.6g}" for n in names) if kept else ""
     )
     lines = [
-        f"All that is required holds at {len(kept)} of {len(found.tried)} places that were tried"
+        f"All that is required holds at {len(kept)} of {len(over_bench.tried)} places that were tried"
         + (f", within {where}." if kept else "."),
         "The least margins are found by search; the C keeps its ranges at every value, by proof.",
     ]
     tables = [show.Table("Margins on the bench", (*names, *heads, "missed"), tuple(rows))]
-    tables += [show.Table("Least margins", ("margin", "least", *names), tuple(least))] if len(found.tried) > 1 else []
+    tables += (
+        [show.Table("Least margins", ("margin", "least", *names), tuple(least))] if len(over_bench.tried) > 1 else []
+    )
     return show.Sheet(f"{stage.name} on the bench", tuple(lines), tuple(tables))
 
 
-def bench_section(stage: Stage, found: BenchMargins) -> Section:
+def bench_section(stage: Stage, over_bench: BenchMargins) -> Section:
     """Return the section of a report on the bench of its stage."""
-    sheet = bench_sheet(stage, found)
+    sheet = bench_sheet(stage, over_bench)
     return Section(BENCH, (page.Text("\n\n".join(sheet.lines)), *sheet.tables))
 
 

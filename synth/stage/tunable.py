@@ -22,7 +22,7 @@ from synth.signals import Signal
 MARGIN = 0.05  # of a range, by which what follows from the corners and the middle of the box is widened on each side
 
 
-def shipped(stage: Stage) -> Block:
+def with_bench(stage: Stage) -> Block:
     """Return the Block that is emitted: the controller's, with the constants that the bench tunes as states.
 
     Raises DesignError as `ranges`.
@@ -46,19 +46,19 @@ def ranges(name: str, tuning: Tuning) -> dict[str, tuple[float, float]]:
     declared = {f.name: f.value for f in tuning.free}
     middles = {f.name: replace(f, low=low, high=high).at(0.5) for f, low, high in _of_bench(tuning)}
     levels = [{low, middles[f.name], f.value, high} for f, low, high in _of_bench(tuning)]
-    found: dict[str, list[float]] = {}
+    values_of: dict[str, list[float]] = {}
     for values in product(*levels):
         at = declared | dict(zip(tuning.bench.ranges, values, strict=True))
         constants = constants_at(tuning, at)
-        if found and constants.keys() != found.keys():
-            other = sorted({*constants} ^ {*found})[0]
+        if values_of and constants.keys() != values_of.keys():
+            other = sorted({*constants} ^ {*values_of})[0]
             raise DesignError(
                 f"'{name}' on the bench: the constant '{other}' is not in the law at every value of "
                 f"{', '.join(tuning.bench.ranges)}: narrow their ranges, so that none passes a value such as 0"
             )
         for n, value in constants.items():
-            found.setdefault(n, []).append(value)
-    varying = {n: (min(values), max(values)) for n, values in found.items() if min(values) < max(values)}
+            values_of.setdefault(n, []).append(value)
+    varying = {n: (min(values), max(values)) for n, values in values_of.items() if min(values) < max(values)}
     if not varying:
         raise DesignError(
             f"'{name}' on the bench: no constant of the law follows from {', '.join(tuning.bench.ranges)}; name other "

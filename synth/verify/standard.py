@@ -48,7 +48,7 @@ def witnesses(stage: Stage) -> Witnesses:
             f"design '{stage.name}' has no reference: give `reference`, a NumPy step (states, inputs) -> (states', "
             "outputs, fault words) written from the equations"
         )
-    return suite.witnesses(tunable.shipped(stage), stage.reference, stage.surrogate_error)
+    return suite.witnesses(tunable.with_bench(stage), stage.reference, stage.surrogate_error)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Margins over the bench of a stage: never above those at other places, found where they are least, and set files."""
+"""Margins over the bench of a stage: never above those at other places, found where they are least; set files."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -33,28 +33,32 @@ def with_bench(**ranges: tuple[float, float]) -> Stage:
 
 def test_a_least_margin_within_a_range_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     trials(monkeypatch, lambda weight: abs(weight - 0.613) + 30)
-    found = bench.over(with_bench(set_point_weight_z=(0.0, 1.0)), silent)
-    place = found.least["phase_margin"]
+    over_bench = bench.over(with_bench(set_point_weight_z=(0.0, 1.0)), silent)
+    place = over_bench.least["phase_margin"]
     assert place.values["set_point_weight_z"] == pytest.approx(0.613, abs=2e-3)
     assert place.margins["phase_margin"] == pytest.approx(30, abs=2e-3)
 
 
 def test_a_least_margin_between_two_parameters_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     trials(monkeypatch, lambda z, x: (z - 0.33) ** 2 + (x - 0.81 + 0.5 * z) ** 2 + 30)
-    found = bench.over(with_bench(set_point_weight_z=(0.0, 1.0), set_point_weight_x=(0.0, 1.0)), silent)
-    assert found.least["phase_margin"].margins["phase_margin"] == pytest.approx(30, abs=1e-4)
+    over_bench = bench.over(with_bench(set_point_weight_z=(0.0, 1.0), set_point_weight_x=(0.0, 1.0)), silent)
+    assert over_bench.least["phase_margin"].margins["phase_margin"] == pytest.approx(30, abs=1e-4)
 
 
 def test_margins_at_random_places_are_not_below_the_least() -> None:
     assert DESIGN.tuning is not None and DESIGN.tuning.bench is not None
     low, high = DESIGN.tuning.bench.ranges["damping_z"]
-    found = tasks.on_bench(DESIGN).result(silent)
-    assert found is not None and not any(t.missed for t in found.tried)
+    over_bench = tasks.on_bench(DESIGN).result(silent)
+    assert over_bench is not None and not any(t.missed for t in over_bench.tried)
     for value in np.exp(np.random.default_rng(5).uniform(np.log(low), np.log(high), 3)):
         margins = bench.try_values(DESIGN, {"damping_z": float(value)}).margins
-        for name, place in found.least.items():
+        for name, place in over_bench.least.items():
             assert margins[name] >= place.margins[name]
-    assert report.bench_sheet(DESIGN, found).lines[0].startswith(f"All that is required holds at {len(found.tried)}")
+    assert (
+        report.bench_sheet(DESIGN, over_bench)
+        .lines[0]
+        .startswith(f"All that is required holds at {len(over_bench.tried)}")
+    )
 
 
 def test_a_set_file_holds_what_the_c_takes(tmp_path: Path) -> None:

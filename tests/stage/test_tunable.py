@@ -17,7 +17,7 @@ from synth.simulate import rig as rigs
 from synth.stage import tunable
 
 DESIGN = levitator.DESIGN
-TUNED = {f.name: f.value for f in levitator.FREE} | {"damping_z": 1700.0}
+TUNED = {f.name: f.value for f in levitator.FREE} | {"damping_z": 1500.0}
 
 
 def without_bench(stage: Stage) -> Stage:
@@ -27,7 +27,7 @@ def without_bench(stage: Stage) -> Stage:
 
 @cache
 def tuned() -> Controller:
-    return host.compile_block(tunable.shipped(DESIGN))
+    return host.compile_block(tunable.with_bench(DESIGN))
 
 
 def values(of: Mapping[str, float]) -> dict[str, float]:

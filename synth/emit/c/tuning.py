@@ -30,11 +30,11 @@ REFUSALS = {
 
 def check(values: Sequence[np.floating], seed: int) -> int:
     """Return the check of values in their scalar type."""
-    found = seed
+    total = seed
     for word in np.array(values).view("<u4").tolist():
-        mixed = (found ^ word) * FACTOR
-        found = (mixed >> 32) ^ (mixed & 0xFFFFFFFF)
-    return found
+        mixed = (total ^ word) * FACTOR
+        total = (mixed >> 32) ^ (mixed & 0xFFFFFFFF)
+    return total
 
 
 def seed(parameters: Struct) -> int:
@@ -97,13 +97,13 @@ def definitions(block: Block, layout: Layout) -> list[str]:
     start, words = seed(layout.parameters), layout.scalar(0).itemsize // 4
     fields = [f for f in layout.parameters.fields if f.name in names]
     values, one = defaults(block, layout), literal(1.0, layout.scalar).c
-    found = check([layout.scalar(v) for v in values.values()], start)
+    default_check = check([layout.scalar(v) for v in values.values()], start)
 
     def numbers(of: Mapping[str, float], indent: str) -> list[str]:
         return [f"{indent}.{n} = {literal(v, layout.scalar).c}," for n, v in of.items()]
 
     lines = [f"const {name}_parameters_t {name}_parameters_default = {{", *numbers(values, "    ")]
-    lines += [f"    .check = 0x{found:08x}u,", "};", ""]
+    lines += [f"    .check = 0x{default_check:08x}u,", "};", ""]
     lines += [f"static inline uint32_t {name}_mixed(uint32_t check, {t} value)", "{"]
     lines += [f"    static const uint32_t spread = 0x{FACTOR:08x}u;", "", f"    uint32_t bits[{words}] = {{0u}};"]
     lines += ["    (void)memcpy((uint8_t *)bits, (const uint8_t *)&value, sizeof bits);", "    uint64_t mixed = check;"]
