@@ -356,12 +356,13 @@ const levitator_2dof_parameters_t levitator_2dof_parameters_default = {
 static inline uint32_t levitator_2dof_mixed(uint32_t check, float value)
 {
     static const uint32_t spread = 0x9e3779b1u;
+    static const uint32_t half = 32u;
 
     uint32_t bits[1] = {0u};
     (void)memcpy((uint8_t *)bits, (const uint8_t *)&value, sizeof bits);
     uint64_t mixed = check;
     mixed = (mixed ^ bits[0]) * spread;
-    mixed = (mixed >> 32u) ^ (mixed & 0xffffffffu);
+    mixed = (mixed >> half) ^ (mixed & 0xffffffffu);
     return (uint32_t)mixed;
 }
 

@@ -25,6 +25,7 @@ from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.sampling import Sampling
 from synth.simulate.study import StudyTable
+from synth.stage import tunable
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,22 +57,12 @@ def prepare(stage: Stage, plan: Plan) -> Search:
     tuning = replace(stage.tuning, bench=None)  # candidates have constants of their own
     stage, names = replace(stage, tuning=tuning), tuple(tuning.experiments)
     rig = standard_tasks.rig(stage, stage.scalar)
-    _require_declared_values(stage, tuning)
+    tunable.require_declared_values(stage, tuning)
     try:
         key = cache.key(evaluate, tasks.compilers(), stage, plan, data=True)
     except ContentError:
         key = ""
     return Search(stage, tuning, plan, rig, study_runs.integration_of(stage, names), key)
-
-
-def _require_declared_values(stage: Stage, tuning: Tuning) -> None:
-    block = tuning.controller({f.name: f.value for f in tuning.free}).block
-    values, declared = ({c.name: c.value for c in b.constants} for b in (block, stage.controller.block))
-    if differing := [n for n in {**declared, **values} if values.get(n) != declared.get(n)]:
-        raise DesignError(
-            f"tuning of '{stage.name}': its declared values give {differing[0]} = {values.get(differing[0])}, the "
-            f"declared controller has {declared.get(differing[0])}: make both of the same function"
-        )
 
 
 def evaluate(search: Search, values: Mapping[str, float]) -> Candidate:

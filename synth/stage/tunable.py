@@ -25,11 +25,12 @@ MARGIN = 0.05  # of a range, by which what follows from the corners and the midd
 def with_bench(stage: Stage) -> Block:
     """Return the Block that is emitted: the controller's, with the constants that the bench tunes as states.
 
-    Raises DesignError as `ranges`.
+    Raises DesignError as `ranges` and `require_declared_values`.
     """
     block, tuning = stage.controller.block, stage.tuning
     if tuning is None or tuning.bench is None:
         return block
+    require_declared_values(stage, tuning)
     samples = max(1, round(tuning.bench.ramp_s / block.time.period_s))
     return with_tunable(block, ranges(stage.name, tuning), samples)
 
@@ -65,6 +66,17 @@ def ranges(name: str, tuning: Tuning) -> dict[str, tuple[float, float]]:
             "free parameters"
         )
     return {n: (low - MARGIN * (high - low), high + MARGIN * (high - low)) for n, (low, high) in varying.items()}
+
+
+def require_declared_values(stage: Stage, tuning: Tuning) -> None:
+    """Raise DesignError unless the declared values of a tuning give the constants of the declared controller."""
+    values = constants_at(tuning, {f.name: f.value for f in tuning.free})
+    declared = {c.name: c.value for c in stage.controller.block.constants}
+    if differing := [n for n in {**declared, **values} if values.get(n) != declared.get(n)]:
+        raise DesignError(
+            f"tuning of '{stage.name}': its declared values give {differing[0]} = {values.get(differing[0])}, the "
+            f"declared controller has {declared.get(differing[0])}: make both of the same function"
+        )
 
 
 def constants_at(tuning: Tuning, values: Mapping[str, float]) -> dict[str, float]:

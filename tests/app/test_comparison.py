@@ -66,7 +66,7 @@ def test_what_does_not_compare_is_refused() -> None:
     with pytest.raises(DesignError, match="with itself: name another design"):
         comparison.plan_of(loaded(NAMES[0], NAMES[0]), PLAN, ())
     first, second = loaded("levitator_2dof", NAMES[0])
-    same_sensors = replace(first, controller=replace(second.controller, name="levitator_other"))
+    same_sensors = replace(first, tuning=None, controller=replace(second.controller, name="levitator_other"))
     with pytest.raises(DesignError, match="no experiment of the same name"):
         comparison.plan_of((same_sensors, second), PLAN, ())
 

@@ -105,10 +105,15 @@ def definitions(block: Block, layout: Layout) -> list[str]:
     lines = [f"const {name}_parameters_t {name}_parameters_default = {{", *numbers(values, "    ")]
     lines += [f"    .check = 0x{default_check:08x}u,", "};", ""]
     lines += [f"static inline uint32_t {name}_mixed(uint32_t check, {t} value)", "{"]
-    lines += [f"    static const uint32_t spread = 0x{FACTOR:08x}u;", "", f"    uint32_t bits[{words}] = {{0u}};"]
+    lines += [
+        f"    static const uint32_t spread = 0x{FACTOR:08x}u;",
+        "    static const uint32_t half = 32u;",
+        "",
+        f"    uint32_t bits[{words}] = {{0u}};",
+    ]
     lines += ["    (void)memcpy((uint8_t *)bits, (const uint8_t *)&value, sizeof bits);", "    uint64_t mixed = check;"]
     for i in range(words):
-        lines += [f"    mixed = (mixed ^ bits[{i}]) * spread;", "    mixed = (mixed >> 32u) ^ (mixed & 0xffffffffu);"]
+        lines += [f"    mixed = (mixed ^ bits[{i}]) * spread;", "    mixed = (mixed >> half) ^ (mixed & 0xffffffffu);"]
     lines += ["    return (uint32_t)mixed;", "}", ""]
     lines += [f"static inline uint32_t {name}_checked(const {name}_parameters_t *parameters)"]
     lines += ["{", f"    uint32_t check = 0x{start:08x}u;"]
