@@ -100,6 +100,8 @@ def require_target(target: str) -> None:
 def _render(facts: Mapping[str, Any]) -> dict[str, str]:
     """Return the project's own files: templates filled in, and those that are the same for every stage."""
     files = templates.render("linux", facts)
+    if facts["tuning"]:
+        files |= templates.render("linux/tuning", facts)
     return {name if name in TOP else f"src/{name}": text for name, text in files.items()}
 
 
@@ -183,6 +185,7 @@ def _facts(
         "missed_calls": interface.missed_calls.name if interface.missed_calls else "",
         "blocks": blocks,
         "controller": blocks[0],
+        "tuning": _tuning(manifest),
         "set_points": set_points,
         "outputs": [_signal(f) | {"source": f["source"]} for f in outputs],
         "faults": [_fault(f) for f in manifest["faults"]],
@@ -211,6 +214,22 @@ def _signal(field: Mapping[str, Any]) -> dict[str, Any]:
     low, high = float(field["low"]), float(field["high"])
     scale = {"scale": f"{(high - low) / 2 / FULL_SCALE:.9g}", "middle": f"{(high + low) / 2:.9g}"}
     return {"name": field["name"], "unit": field["unit"], "low": repr(low), "high": repr(high), **scale}
+
+
+def _tuning(manifest: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is tuned on the running machine, nothing for a controller without such constants."""
+    if "tuning" not in manifest:
+        return {}
+    parameters = manifest["structs"]["parameters"]["type"]
+    return {
+        "type": parameters,
+        "default": parameters.removesuffix("_t") + "_default",
+        "names": list(manifest["tuning"]["default"]),
+        "tune": manifest["tuning"]["functions"]["tune"],
+        "calls": manifest["tuning"]["calls"],
+        "refused": manifest["tuning"]["refused"],
+        "parse": "strtof" if manifest["scalar"] == "float32" else "strtod",
+    }
 
 
 def _fault(fault: Mapping[str, Any]) -> dict[str, Any]:
