@@ -21,7 +21,7 @@ from synth.declare.stage import SetPoint, Stage
 from synth.emit.write import EmittedCode
 from synth.errors import DesignError, SynthError
 from synth.execute import host
-from synth.export import limits, linuxcnc, mcu, plant_files, templates, wiring
+from synth.export import a2l, limits, linuxcnc, mcu, plant_files, templates, wiring
 from synth.simulate import rig as rigs
 
 TARGETS = ("linux", "mcu", "linuxcnc")
@@ -83,7 +83,8 @@ def project(stage: Stage, emitted: Mapping[str, EmittedCode], target: str) -> Pr
     facts, model = _facts(stage, manifests, rig)
     if target == "mcu":
         facts |= mcu.facts(facts, {name: emitted[name] for name in recorded}, recorded)
-        return Project({**code, **{f"qemu/{n}": t for n, t in model.items()}, **mcu.render(facts)})
+        described = {f"{stage.name}.a2l": a2l.text(stage.name, facts["blocks"], manifests)} if facts["tuning"] else {}
+        return Project({**code, **described, **{f"qemu/{n}": t for n, t in model.items()}, **mcu.render(facts)})
     sources = {f"src/{n}": t for n, t in model.items()}
     if target == "linuxcnc":
         return Project({**code, **sources, **linuxcnc.render(facts | linuxcnc.facts(stage, facts, emitted, recorded))})
@@ -225,7 +226,7 @@ def _tuning(manifest: Mapping[str, Any]) -> dict[str, Any]:
         "type": parameters,
         "default": parameters.removesuffix("_t") + "_default",
         "names": list(manifest["tuning"]["default"]),
-        "tune": manifest["tuning"]["functions"]["tune"],
+        **manifest["tuning"]["functions"],
         "calls": manifest["tuning"]["calls"],
         "refused": manifest["tuning"]["refused"],
         "parse": "strtof" if manifest["scalar"] == "float32" else "strtod",
