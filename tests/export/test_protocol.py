@@ -168,6 +168,7 @@ def test_a_client_without_an_answer_says_so(loop: Path) -> None:
 
 WORDS = (
     *("move", "step", "ramp", "sine", "zigzag", "circle", "ellipse", "hold", "names", "status", "position", "help"),
+    *("tune", "parameters"),
     *("z_ref", "x_ref", "z_ref", "x_ref", "y_ref", "1e-4", "-1e-4", "0", "1", "10", "nan", "1e300", "-inf", "0x1p-9"),
 )
 
