@@ -190,7 +190,7 @@ def test_a_planted_violation_is_found(path: str, text: str) -> None:
         ("designs/maglev_5dof/reference.py", "import numpy as np\nfrom scipy import linalg"),
         ("designs/planar_6dof_lqg/reference.py", "from designs.planar_6dof import reference_sensing"),
         ("designs/planar_6dof_lqg/reference.py", "from synth.reference import gains"),
-        ("synth/reference/probe.py", "from synth.reference.guard import rows"),
+        ("synth/reference/servo.py", "from synth.reference.guard import rows"),
     ],
 )
 def test_an_import_along_the_flow_is_allowed(path: str, text: str) -> None:

@@ -14,7 +14,7 @@ import scipy.linalg
 from numpy.typing import ArrayLike
 
 import synth
-from synth import arguments, kinds
+from synth import arguments
 from synth.errors import ModelError, SignalError, TimingError
 
 
@@ -182,7 +182,7 @@ ARRAY = "an array of numbers without a mask"
     ],
 )
 def test_arrays_are_read_in_every_annotation_by_every_version_of_numpy(annotation: Any, need: str) -> None:
-    kind = kinds.of(annotation)
+    kind = arguments.of(annotation)
     assert kind is not None and kind.need == need
     assert not any(map(kind.passes, (b"x", True, {1.0}, abs, np.ma.masked, {"a": "b"})))
 

@@ -12,7 +12,7 @@ import pytest
 
 from docs import pages
 from synth import analyse, synthesise
-from synth.app import new
+from synth.app import commands
 from tests.export import harness
 
 pytestmark = pytest.mark.slow
@@ -96,7 +96,7 @@ def test_the_names_of_python_control_are_there() -> None:
 @pytest.mark.whole
 def test_the_tutorial_leads_to_a_verified_bearing(tmp_path: Path) -> None:
     """Its files replace those of a new stage; that it shows all of them is what lets a reader follow it."""
-    folder, written = new.create(tmp_path, "bearing")
+    folder, written = commands.create(tmp_path, "bearing")
     text = read("tutorial.md")
     shown = {Path(path) for path, _ in pages.blocks(text)}
     assert shown == {p for p in written if p.parts[0] in ("models", "designs")}
@@ -120,14 +120,14 @@ def test_the_tutorial_leads_to_a_verified_bearing(tmp_path: Path) -> None:
     ],
 )
 def test_a_change_of_a_new_stage_builds_with_every_check_passed(page: str, name: str, tmp_path: Path) -> None:
-    folder, _ = new.create(tmp_path, name)
+    folder, _ = commands.create(tmp_path, name)
     pages.apply(read(f"howto/{page}.md"), folder)
     synth(folder, *COMMAND, "build")
 
 
 @pytest.mark.whole
 def test_the_limits_of_faults_on_the_page_hold_on_a_new_stage(tmp_path: Path) -> None:
-    folder, _ = new.create(tmp_path, "my_stage")
+    folder, _ = commands.create(tmp_path, "my_stage")
     pages.apply(read("howto/judge-faults-on-the-machine.md"), folder)
     printed = synth(folder, *COMMAND, "faults", "my_stage", "--sweep")
     assert "z frozen" in printed and "limits of faults" in printed and "FAILED" not in printed
@@ -140,7 +140,7 @@ def test_the_limits_of_faults_on_the_page_hold_on_a_new_stage(tmp_path: Path) ->
 
 @pytest.mark.whole
 def test_the_commands_of_a_study_on_the_page_run_on_a_new_stage(tmp_path: Path) -> None:
-    folder, _ = new.create(tmp_path, "my_stage")
+    folder, _ = commands.create(tmp_path, "my_stage")
     page = read("howto/study-tolerances.md")
     assert "synth study my_stage --experiments 'step_*'" in page and "--row 17" in page
     chosen = ("study", "my_stage", "--plants", "24", "--experiments", "step_*")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from docs import pages
-from synth.app import new
+from synth.app import commands
 from synth.execute import compile as host_compiler
 from tests import tools
 
@@ -32,7 +32,7 @@ LINUX = next(line for line in PAGE.splitlines() if line.startswith("gcc ")).spli
 @pytest.fixture(scope="module")
 def emitted(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """The C of a new stage."""
-    folder, _ = new.create(tmp_path_factory.mktemp("workspace"), "my_stage")
+    folder, _ = commands.create(tmp_path_factory.mktemp("workspace"), "my_stage")
     environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{folder}"}
     emit = ["-c", "from synth.app.cli import main; main()", "emit", "my_stage", "--out", str(folder / "out")]
     subprocess.run([sys.executable, *emit], cwd=folder, env=environment, check=True)

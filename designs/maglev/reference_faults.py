@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from designs.maglev import reference_phase, reference_stage
 from designs.maglev.reference_stage import AXES, HIGH, LAST, LIMITS, LOW, NAMES, SENSORS
-from synth.reference import guard, landing, predictor, probe, redundancy
+from synth.reference import fault_handling, guard
 from synth.reference.guard import rows
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ NOISE = 2 * np.sqrt(1e-10 + 1e-10 / 12)  # m: one count of each, rounded to coun
 SLOPE = (
     K * QUIET / np.sqrt(QUIET**2 - OFFSET**2)
 )  # of a hyperbola over the noise that the line OFFSET + K NOISE touches
-SENSING = redundancy.Sensors(
+SENSING = fault_handling.Sensors(
     dict(zip(NAMES[:4], (1.0, -1.0, 1.0, -1.0), strict=True)),
     QUIET,
     SLOPE**2 / 2,
@@ -49,20 +49,20 @@ SENSING = redundancy.Sensors(
     low=LOW[:SENSORS],
     high=HIGH[:SENSORS],
 )
-OBSERVERS = predictor.Observers(  # in m, rad and s
+OBSERVERS = fault_handling.Observers(  # in m, rad and s
     {
-        "y": predictor.Axis(120.0, 0.0145, 0.0345, 4.0, 50.0),
-        "x": predictor.Axis(60.0, -0.1, 0.1, 2.0, 20.0, True),
-        "z": predictor.Axis(60.0, -0.1, 0.1, 2.0, 20.0, True),
-        "phi": predictor.Axis(120.0, -0.02, 0.02, 4.0, 200.0),
-        "theta": predictor.Axis(120.0, -0.031, 0.031, 4.0, 200.0),
+        "y": fault_handling.Axis(120.0, 0.0145, 0.0345, 4.0, 50.0),
+        "x": fault_handling.Axis(60.0, -0.1, 0.1, 2.0, 20.0, True),
+        "z": fault_handling.Axis(60.0, -0.1, 0.1, 2.0, 20.0, True),
+        "phi": fault_handling.Axis(120.0, -0.02, 0.02, 4.0, 200.0),
+        "theta": fault_handling.Axis(120.0, -0.031, 0.031, 4.0, 200.0),
     },
     T,
     learning=30.0,
     gains=(0.8, 1.2),
 )
 POLES = dict(zip(AXES, (60.0, 30.0, 30.0, 0.0, 40.0), strict=True))  # rad/s; phi is left to its spring
-LANDING = landing.Landing(
+LANDING = fault_handling.Landing(
     POLES,
     POLES | {"theta": 14.0},  # it is predicted
     end=0.031,  # m
@@ -76,7 +76,7 @@ LANDING = landing.Landing(
     good_samples=reference_stage.GOOD_SAMPLES,
     T=T,
 )
-PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5, T=T)
+PROBE = fault_handling.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5, T=T)
 LIFTED, LOST = 0.0305, 0.2  # m
 HELD_BY_SPRING = 0.022  # m: below, theta needs the motors along X
 PHI_SPRING = 0.75 * 15_000.0  # 1/s^2, the compensated part
@@ -95,7 +95,7 @@ def land(
     state: Columns, w: Array, estimate: tuple[Array, Array, Array], phi: Array, regular: Flags, determined: Flags
 ) -> tuple[Array, dict[str, Any]]:
     """Return the demands (5, n), the tracking ones w or those of the landing, and the next states with `landed`."""
-    demand, lands, next = landing.demand(state, estimate, regular, determined, LANDING)
+    demand, lands, next = fault_handling.demand(state, estimate, regular, determined, LANDING)
     demand[3] = -PHI_SPRING * phi
     return np.where(lands, np.clip(demand, -LANDING.most, LANDING.most), w), next
 
@@ -115,20 +115,20 @@ def without_positions(state: Columns, computed: Array, trusted: Flags) -> tuple[
 
 
 def step(
-    state: Columns, inputs: Columns, law: Law, at_rest: probe.Probe = PROBE
+    state: Columns, inputs: Columns, law: Law, at_rest: fault_handling.Probe = PROBE
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample of a law with its fault handling, columns by name."""
     accepted = guard.accept(state, inputs, LIMITS)
     values, good = np.array([*accepted.values.values()]), np.array([accepted.good[n] for n in NAMES])
     ready = np.asarray(state["guard_ready"]) > 0
-    expected = expected_readings(predictor.positions(state, AXES))
-    used, suspects, flag, after_readings = redundancy.readings(
+    expected = expected_readings(fault_handling.positions(state, AXES))
+    used, suspects, flag, after_readings = fault_handling.readings(
         state, values[:SENSORS], good, expected, at_rest.attempts, inputs["missed_calls"], SENSING
     )
     pose = reference_stage.pose(used, reference_stage.Parameters().r)
     still = np.array([after_readings[f"{s}_monitor_still"] for s in "xz"])
     acting = rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
-    q, v, d, after_observers = predictor.observe(
+    q, v, d, after_observers = fault_handling.observe(
         state, pose, acting, flag["trusted"], flag["frozen"], still, ready, OBSERVERS
     )
     last, set_points = rows(state, LAST), values[SENSORS:]
@@ -136,7 +136,7 @@ def step(
     w, finish = law(state, pose, set_points, ready)
     w, after_landing = land(state, w, (q, v, d), pose[3], flag["regular"], flag["determined"])
     free = flag["regular"] & (state["observer_y_q"] < LIFTED)
-    w[1:3], after_probe = probe.probe("xz", w[1:3], e[1:3], state, still, free, at_rest)
+    w[1:3], after_probe = fault_handling.probe("xz", w[1:3], e[1:3], state, still, free, at_rest)
     computed, thrust, after_law = finish(w, used[:4], last)
     transfer, computed = without_positions(state, computed, flag["trusted"])
     complete = good.all(axis=0)
@@ -154,7 +154,7 @@ def step(
         accepted.word
         | (1 << np.arange(11, 17)) @ suspects
         | (flag["degraded"].astype(np.uint32) << 17)
-        | (landing.misses_calls(inputs["missed_calls"], MISSED_CALLS).astype(np.uint32) << 18)
+        | (fault_handling.misses_calls(inputs["missed_calls"], MISSED_CALLS).astype(np.uint32) << 18)
         | ((next["landing_landing"] & ~latched).astype(np.uint32) << 30)
     )
     positions = np.where(latched & ~flag["trusted"], LOST, used[4:])

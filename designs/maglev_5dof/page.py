@@ -7,7 +7,7 @@ from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.declare.stage import Stage
 from synth.plant import Plant
-from synth.report import figures, page, presentation, standard
+from synth.report import figures, page, sections, standard
 from synth.report.prose import Value
 from synth.report.template import Extra, Results
 from synth.simulate.experiments import Experiment
@@ -28,7 +28,7 @@ def contents(stage: Stage, results: Results) -> Extra:
     runs = results.runs
     paths = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     style = standard.Shown(
-        motions.UNITS, motions.COUNTS, presentation.published_figures(PUBLISHED, results.rows), paths, LONGEST, WINDOW
+        motions.UNITS, motions.COUNTS, sections.published_figures(PUBLISHED, results.rows), paths, LONGEST, WINDOW
     )
     values = _values(stage.plant) | commutation_tables.values(stage, results.files, runs, results.cost is not None)
     return Extra(values, terms=maglev_stage.factors, shown=style)

@@ -32,8 +32,8 @@ from designs.maglev.reference_stage import (
 )
 from designs.maglev_5dof_precise import reference_gains
 from synth.reference import gains
+from synth.reference.fault_handling import Probe
 from synth.reference.guard import by_row, rows
-from synth.reference.probe import Probe
 
 WEIGHTS = ((1e6, 1e4), (1e5, 800.0), (1e5, 800.0), (1e5, 5e3), (3e5, 5e3))  # of e, e', for y, x, z, phi, theta
 SPEEDS = ((6, 4, 4, 4), (5, 4, 4, 4), (5, 4, 4, 4), (4, 2), (6, 4, 4, 4))  # 1/s

@@ -26,8 +26,8 @@ from synth.report.audit import Row
 from synth.report.figures import SYMBOLS
 from synth.report.notation import readable
 from synth.report.page import Section
-from synth.report.presentation import PublishedFigures, Shown, published_figures, window
 from synth.report.prose import Content, Value
+from synth.report.sections import PublishedFigures, Shown, published_figures, window
 from synth.report.template import Extra, Results
 from synth.simulate.experiments import Experiment
 from synth.simulate.scenario import Trajectory

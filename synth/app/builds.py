@@ -18,7 +18,7 @@ from typing import Any
 from synth import __version__
 from synth.app import fault_jobs, tasks, verdicts
 from synth.app.tasks import Task, attempt
-from synth.base import cache, contents, sources, store
+from synth.base import cache, contents, slices, store
 from synth.base.jobs import Job
 from synth.base.progress import Progress, silent
 from synth.check import Check, Incomplete
@@ -60,11 +60,11 @@ def source_key(root: Path, name: str) -> str:
 
     No design is imported for it. It changes with any source, also of another design; the parts have keys of their own.
     """
-    tops = [sources.TOOLKIT, *(p for p in sorted(root.iterdir()) if p.name not in NOT_READ and p.name[0] != ".")]
+    tops = [slices.TOOLKIT, *(p for p in sorted(root.iterdir()) if p.name not in NOT_READ and p.name[0] != ".")]
     tops = [top for top in tops if top != store.folder()]
     files = [file for top in tops for file in ([top] if top.is_file() else sorted(top.rglob("*")))]
     read = [f for f in files if f.is_file() and "__pycache__" not in f.parts]
-    texts = [(str(f.relative_to(root if root in f.parents else sources.TOOLKIT)), f.read_bytes()) for f in read]
+    texts = [(str(f.relative_to(root if root in f.parents else slices.TOOLKIT)), f.read_bytes()) for f in read]
     return contents.digest(cache.environment(), tasks.compilers(), name, texts)
 
 

@@ -266,12 +266,12 @@ def compare(
     fresh: Fresh = False,
 ) -> None:
     """Run two designs of one plant on the same machines: values, margins, instructions side by side. No verdicts."""
-    from synth.app import compare_command
+    from synth.app import comparison
     from synth.simulate import sampling as samplings
 
     drawn = samplings.Sampling(plants, seed, samplings.Method(sampling.value))
-    chosen = compare_command.CompareChoice(drawn, tuple(experiments or ()), report)
-    raise typer.Exit(compare_command.compare((first, second), as_json, fresh, chosen))
+    chosen = comparison.CompareChoice(drawn, tuple(experiments or ()), report)
+    raise typer.Exit(comparison.compare((first, second), as_json, fresh, chosen))
 
 
 @app.command(epilog="Example: synth tune my_stage --plants 16 --report tuning.html")

@@ -1,15 +1,25 @@
-"""Jobs of a comparison: the studies of two designs on the same machines, their least margins, and their costs."""
+"""Jobs of a comparison: the studies of two designs on the same machines, their least margins, and their costs.
 
+`synth compare`: two designs of one stage side by side, at the terminal and as a page.
+"""
+
+import sys
 from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from itertools import zip_longest
+from pathlib import Path
+from typing import Any
 
-from synth.app import study_jobs, study_runs, tasks, verdicts
+from synth.app import study_jobs, study_runs, tables, tasks, verdicts, workspace
 from synth.app.study_jobs import Plan
+from synth.app.tables import run_jobs
 from synth.app.tasks import Task
+from synth.base import contents, store
 from synth.base.jobs import Job, Outcome
 from synth.base.progress import Progress
 from synth.declare.stage import Stage
 from synth.errors import DesignError
+from synth.report import comparison as report
 from synth.report.comparison import Side
 from synth.simulate import study
 from synth.simulate.sampling import Sampling
@@ -72,7 +82,7 @@ def _jobs(stage: Stage, plan: Plan) -> list[Job]:
     return [*study_jobs.jobs(stage, plan), margins, Job(_cost(stage), name, cost.result)]
 
 
-def sides(designs: tuple[Stage, Stage], plan: Plan, outcomes: Mapping[str, Outcome]) -> tuple[Side, Side]:
+def sides_of(designs: tuple[Stage, Stage], plan: Plan, outcomes: Mapping[str, Outcome]) -> tuple[Side, Side]:
     """Return both designs with their results from the outcomes of all jobs, none of which failed."""
     first, second = (_side(stage, plan, outcomes) for stage in designs)
     return first, second
@@ -99,3 +109,42 @@ def _margins(stage: Stage) -> str:
 
 def _cost(stage: Stage) -> str:
     return f"{stage.name} cost"
+
+
+@dataclass(frozen=True)
+class CompareChoice:
+    """The options of `synth compare`."""
+
+    sampling: Sampling
+    experiments: tuple[str, ...]
+    report: Path | None
+
+
+def compare(names: tuple[str, str], as_json: bool, fresh: bool, chosen: CompareChoice) -> int:
+    """Run two designs on the same machines and print their experiments, margins and instructions side by side."""
+    first, second = (workspace.designs(Path.cwd(), [name])[0] for name in names)
+    designs = first, second
+    plan = plan_of(designs, chosen.sampling, chosen.experiments)
+    outcomes = run_jobs(jobs(designs, plan), as_json, fresh)
+    if any(outcome.error for outcome in outcomes.values()):
+        return 2
+    sides = sides_of(designs, plan, outcomes)
+    if chosen.report is not None:
+        store.replace_text(chosen.report, report.page_text(sides))
+    if as_json:
+        sys.stdout.write(contents.dumps([document(side) for side in sides]) + "\n")
+    else:
+        tables.print_comparison(sides)
+    return 0
+
+
+def document(side: Side) -> dict[str, Any]:
+    """Return one of the designs for JSON."""
+    return {
+        "design": side.name,
+        "rows": len(side.study.rows),
+        "yield": vars(study.estimate_yield(side.study)),
+        "summaries": [asdict(summary) for summary in study.summarise(side.study)],
+        "margins": side.margins,
+        "cost": side.cost.document() if side.cost else None,
+    }

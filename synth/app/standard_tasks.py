@@ -2,6 +2,13 @@
 
 The verification is in `synth.verify.standard`, the report in `synth.report.template`. A companion is a Block that is
 emitted beside the controller, such as the commutation of a motor (`synth.declare.companion`).
+
+Signs of the actuators: which coordinates a positive input accelerates, from the plant's input Jacobian df/du.
+
+i_d1: +y -phi     the rates of y and phi change with i_d1 by a positive and a negative amount
+
+An input without a slope at the point, such as a current of 0 A whose force grows with its square, has the signs of what
+its upper end changes.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,13 +16,13 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from synth.base.progress import Progress
 from synth.block import Block
 from synth.blocks.guard import safety
-from synth.declare import actuation
 from synth.declare.companion import Companion
 from synth.declare.stage import Stage
 from synth.emit import write
@@ -24,6 +31,7 @@ from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import host
 from synth.fault import with_reactions
+from synth.plant import Plant
 from synth.simulate import experiments
 from synth.simulate import rig as rigs
 from synth.simulate.experiments import Experiment
@@ -31,6 +39,32 @@ from synth.simulate.rig import Rig
 from synth.stage import tunable
 from synth.verify import standard, stimuli
 from synth.verify.steps import Steps
+
+SMALL = 1e-6  # of the largest entry of a rate: a smaller one is none
+
+
+def actuator_signs(plant: Plant, rates: Mapping[str, str], point: Mapping[str, float]) -> dict[str, str]:
+    """Return by input of the plant the coordinates that it accelerates, with their signs, at a point of operation.
+
+    `rates` names the state that is the rate of each coordinate; states and inputs that the point does not have are 0.
+    """
+    x, u = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs))
+    f = ca.Function("f", [x, u], [plant.f(x, u, plant.values)])
+    B = ca.Function("B", [x, u], [ca.jacobian(f(x, u), u)])
+    at = [np.array([point.get(s.name, 0.0) for s in signals]) for signals in (plant.states, plant.inputs)]
+    slopes = np.array(B(*at))
+    for k, signal in enumerate(plant.inputs):
+        if not slopes[:, k].any():
+            upper = np.where(np.arange(len(at[1])) == k, signal.high, at[1])
+            slopes[:, k] = np.asarray(f(at[0], upper) - f(*at)).ravel()
+    names = [s.name for s in plant.states]
+    entries = slopes[[names.index(rate) for rate in rates.values()]]
+    entries[np.abs(entries) <= SMALL * np.abs(entries).max(axis=1, keepdims=True)] = 0
+    texts = {
+        s.name: " ".join(f"{'+' if v > 0 else '-'}{q}" for q, v in zip(rates, column, strict=True) if v)
+        for s, column in zip(plant.inputs, entries.T, strict=True)
+    }
+    return {name: text for name, text in texts.items() if text}
 
 
 def compiled_controller(stage: Stage, scalar: type[np.floating]) -> host.Controller:
@@ -146,7 +180,7 @@ def _signs(stage: Stage) -> list[str]:
         return []
     actuators = {a.of: a.name for a in stage.interface.actuators}
     safe = {a.of: a.safe for a in stage.interface.actuators}
-    signs = actuation.signs(stage.plant, stage.velocities, safe | dict(next(iter(stage.operating_points.values()))))
+    signs = actuator_signs(stage.plant, stage.velocities, safe | dict(next(iter(stage.operating_points.values()))))
     texts = [f"{actuators[n]} {text}" for n, text in signs.items() if n in actuators]
     return [f"Signs of what a positive value accelerates, from the plant: {'; '.join(texts)}."]
 

@@ -8,16 +8,17 @@ from math import inf
 from pathlib import Path
 
 from synth.app import study_jobs, tables, verdicts, workspace
-from synth.app.command_results import run_jobs
 from synth.app.study_jobs import Plan
+from synth.app.tables import run_jobs
 from synth.app.tasks import attempt
 from synth.base import contents, store
 from synth.base.jobs import Job
 from synth.check import Check
 from synth.declare.stage import Stage
 from synth.errors import DesignError
-from synth.report import study as report
-from synth.simulate import sampling, study_table, worst_case
+from synth.report import sections as report
+from synth.simulate import sampling, worst_case
+from synth.simulate import study as studies
 from synth.simulate.study import StudyTable
 from synth.simulate.worst_case import WorstCase
 
@@ -49,7 +50,7 @@ def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
     """Run the experiments of a design on many machines, and print distributions, yield and drivers."""
     (stage,) = workspace.designs(Path.cwd(), [name])
     if chosen.files.parquet is not None:
-        study_table.require_parquet()
+        studies.require_parquet()
     for path in (chosen.files.csv, chosen.files.parquet, chosen.files.report):
         if path is not None and (path.is_dir() or not path.parent.is_dir()):
             raise DesignError(f"the file {path} cannot be written: give a name in a folder that exists")
@@ -87,9 +88,9 @@ def _jobs(stage: Stage, plan: Plan, chosen: StudyChoice) -> list[Job]:
 
 def _write(name: str, table: StudyTable, worst: WorstCase | None, files: StudyFiles) -> None:
     if files.csv is not None:
-        store.replace_text(files.csv, study_table.csv_text(table))
+        store.replace_text(files.csv, studies.csv_text(table))
     if files.parquet is not None:
-        study_table.write_parquet(table, files.parquet)
+        studies.write_parquet(table, files.parquet)
     if files.report is not None:
         store.replace_text(files.report, report.page_text(name, table, worst))
 
@@ -100,7 +101,7 @@ def _show(
     if as_json:
         verdict = {"checks": [c.document() for c in checks]}
         searched = {"search": vars(worst)} if worst else {}
-        sys.stdout.write(contents.dumps(study_table.document(table) | verdict | searched) + "\n")
+        sys.stdout.write(contents.dumps(studies.document(table) | verdict | searched) + "\n")
         return
     (tables.print_machine if alone else tables.print_study)(name, table)
     tables.print_checks(f"{name}: study", checks)

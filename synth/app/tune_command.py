@@ -8,7 +8,7 @@ from time import monotonic
 from typing import Any
 
 from synth.app import bench, tables, tasks, tune_jobs, tune_search, workspace
-from synth.app.command_results import writer
+from synth.app.tables import writer
 from synth.base import contents, progress, store
 from synth.declare.tuning import BenchMargins, Plan, Tuned
 from synth.errors import DesignError

@@ -24,9 +24,7 @@ from synth.analyse.loops.robustness import Survey
 from synth.check import NO_LIMIT, Check
 from synth.declare.stage import DISK, MARGINS, Stage
 from synth.errors import DesignError
-from synth.report import faults as faults_section
-from synth.report import first_screen
-from synth.report import study as study_section
+from synth.report import first_screen, sections
 from synth.report.audit import Row, Verdict
 from synth.signals import per_second
 from synth.simulate import experiments
@@ -226,8 +224,8 @@ def of_build(
     """Return all checks of the results of a build by the title of the section that shows them."""
     return {
         first_screen.LOOPS: margins(stage, loops),
-        study_section.TITLE: study(stage, table),
-        faults_section.TITLE: worst_faults(stage, campaign),
+        sections.STUDY: study(stage, table),
+        sections.FAULTS: worst_faults(stage, campaign),
         first_screen.COST: cost(stage, measured),
         first_screen.AUDIT: audit(rows),
     }
@@ -242,7 +240,7 @@ def requirements(lost: Sequence[Check], evidence: Evidence, runs: Sequence[Exper
             *evidence.verdicts.items(),
             (first_screen.EXPERIMENTS, [c for c in of_runs if c.name == experiments.NAME]),
             (first_screen.EXPERIMENTS, [c for c in of_runs if c.name != experiments.NAME]),
-            (faults_section.TITLE, evidence.faults.checks if evidence.faults else ()),
+            (sections.FAULTS, evidence.faults.checks if evidence.faults else ()),
             (first_screen.VERIFICATION, evidence.checks),
         ]
     )

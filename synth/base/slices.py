@@ -11,6 +11,11 @@ The slice follows imports of `synth` and of the packages of the workspace; other
 does not see a name in a string: formulas of an audit call functions of modules that are named as a whole.
 
 Source: M. Weiser, Program slicing, IEEE Trans. Software Engineering 10 (1984), 352-357.
+
+Parsed sources of the toolkit and of a workspace: top-level statements of a module, names in them, and imports.
+
+A process reads a module once, since an imported module does not change with its file. The summary of a syntax tree is
+cached under the digest of the text.
 """
 
 import ast
@@ -21,12 +26,149 @@ import sys
 import sysconfig
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from synth.base import sources
-from synth.base.sources import BARE, TOOLKIT, Statement
+from synth.base import store
 from synth.errors import ContentError
+
+TOOLKIT = Path(__file__).resolve().parents[1]
+BARE = ""  # instead of a bound name, for a statement that does more than bind names
+
+Paths = tuple[tuple[str, ...], ...]  # dotted names, split at the dots
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A top-level statement: the digest of its text, the dotted names in it, and the names that it imports.
+
+    `defines` is True for a function or a class.
+    """
+
+    digest: str
+    defines: bool
+    paths: Paths
+    imports: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Module:
+    """A parsed module: its statements by the name that they bind, the others (BARE), and its imports by name.
+
+    `exports` are the names that a package imports once they are used, from its stub, see `lazy`.
+    """
+
+    path: Path
+    statements: dict[str, tuple[Statement, ...]]
+    imports: dict[str, str]
+    exports: dict[str, str]
+
+
+@cache
+def module_of(root: Path, name: str) -> Module | None:
+    """Return a module of the toolkit or of the workspace at `root`, None for any other."""
+    first, *others = name.split(".")
+    base = TOOLKIT if first == "synth" else root / first
+    path = base.joinpath(*others)
+    if first != "synth" and root == TOOLKIT.parent and not ((root / "designs").is_dir() and (root / first).exists()):
+        return None
+    for file in (path.with_name(f"{path.name}.py"), path / "__init__.py"):
+        if file.is_file():
+            return parse(file, name)
+    return parse(None, name) if path.is_dir() and path != root else None
+
+
+@cache
+def parse(path: Path | None, name: str) -> Module:
+    """Read a module, once in a process."""
+    if path is None:  # a folder without __init__.py
+        return Module(Path(), {}, {}, {})
+    content = text(path)
+    version = hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).digest()
+    key = hashlib.sha256(version + f"{name} {path.name} ".encode() + content).hexdigest()
+    summary = store.fetch(key, lambda: _summary(ast.parse(content), name, path.name == "__init__.py"))
+    return Module(path, *summary, _exports(path, name))
+
+
+def _exports(path: Path, name: str) -> dict[str, str]:
+    stub = path.with_suffix(".pyi")
+    if path.name != "__init__.py" or not stub.is_file():
+        return {}
+    return dict(_imports(ast.parse(text(stub)).body, name, True))
+
+
+@cache
+def text(path: Path) -> bytes:
+    """Return the content of a file at the first call."""
+    return path.read_bytes()
+
+
+def _summary(tree: ast.Module, name: str, package: bool) -> tuple[dict[str, tuple[Statement, ...]], dict[str, str]]:
+    """Return the statements of a module by the name that they bind, and its imports by name."""
+    statements: dict[str, tuple[Statement, ...]] = {}
+    for node in tree.body:
+        if isinstance(node, ast.Import | ast.ImportFrom) or _is_docstring(node):
+            continue
+        made = statement_of(node, name, package)
+        for bound in _bound_names(node) or (BARE,):
+            statements[bound] = (*statements.get(bound, ()), made)
+    inside = [item for s in statements.get(BARE, ()) for item in s.imports]
+    return statements, dict([*inside, *_imports(tree.body, name, package)])
+
+
+def statement_of(node: ast.AST, name: str, package: bool) -> Statement:
+    """Read a statement, or a lambda, of the module called `name`; `package` marks an `__init__.py`."""
+    inside = [n for n in ast.walk(node) if isinstance(n, ast.Import | ast.ImportFrom)]
+    digest = hashlib.sha256(ast.unparse(node).encode()).hexdigest()
+    defines = isinstance(node, ast.FunctionDef | ast.ClassDef)
+    return Statement(digest, defines, tuple(sorted(set(_paths(node)))), tuple(_imports(inside, name, package)))
+
+
+def _is_docstring(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def _bound_names(node: ast.stmt) -> tuple[str, ...]:
+    """Return the names that a statement binds, none for a statement that does more."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        return (node.name,)
+    targets: list[ast.expr] = []
+    if isinstance(node, ast.Assign):
+        targets = node.targets
+    elif isinstance(node, ast.AnnAssign):
+        targets = [node.target]
+    flat = [e for t in targets for e in (t.elts if isinstance(t, ast.Tuple | ast.List) else [t])]
+    return tuple(e.id for e in flat if isinstance(e, ast.Name)) if all(isinstance(e, ast.Name) for e in flat) else ()
+
+
+def _paths(node: ast.AST) -> Iterator[tuple[str, ...]]:
+    """Yield each dotted name in a tree, in full length."""
+    chain: list[str] = []
+    inner: ast.AST = node
+    while isinstance(inner, ast.Attribute):
+        chain.append(inner.attr)
+        inner = inner.value
+    if isinstance(inner, ast.Name):
+        yield (inner.id, *reversed(chain))
+        return
+    for child in ast.iter_child_nodes(inner):
+        yield from _paths(child)
+
+
+def _imports(nodes: Sequence[ast.AST], name: str, package: bool) -> Iterator[tuple[str, str]]:
+    """Yield (name, dotted target) of import statements in a module."""
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            for a in node.names:
+                top = a.name.split(".")[0]
+                yield (a.asname, a.name) if a.asname else (top, top)
+            yield from ((f".{a.name}", a.name) for a in node.names)  # loaded without a name
+        elif isinstance(node, ast.ImportFrom):
+            base = name.split(".")[: len(name.split(".")) - node.level + package] if node.level else []
+            source = ".".join([*base, *([node.module] if node.module else [])])
+            yield from ((a.asname or a.name, f"{source}.{a.name}") for a in node.names)
+
 
 DATA = (".toml", ".c", ".h", ".j2", ".css", ".md", ".json", ".csv")
 WHOLE = "*"  # instead of the name of one statement: all of a module; BARE: the statements that run at its import
@@ -151,15 +293,13 @@ class _Entry:
 
     def start(self) -> list[Place | Statement]:
         """Return the places that begin the slice, and the statements that are lambdas."""
-        parsed = sources.parse(self.path, self.module)
+        parsed = parse(self.path, self.module)
         if self.top != "<lambda>":
             return [(self.module, self.top if self.top in parsed.statements else WHOLE), (self.module, BARE)]
         lambdas = [
-            n
-            for n in ast.walk(ast.parse(sources.text(self.path)))
-            if isinstance(n, ast.Lambda) and n.lineno == self.line
+            n for n in ast.walk(ast.parse(text(self.path))) if isinstance(n, ast.Lambda) and n.lineno == self.line
         ]
-        return [(self.module, BARE), *(sources.statement(n, self.module, False) for n in lambdas)]
+        return [(self.module, BARE), *(statement_of(n, self.module, False) for n in lambdas)]
 
 
 def _entry(function: Callable[..., Any] | type) -> _Entry:
@@ -203,7 +343,7 @@ def _closure(root: Path, start: Sequence[Place | Statement]) -> frozenset[Place]
 def _next(root: Path, place: Place) -> frozenset[Place]:
     """Return the places that the statements at a place name, and those that the import of its module runs."""
     name = place[0]
-    module = sources.module(root, name)
+    module = module_of(root, name)
     if module is None:
         return frozenset()
     imported = [(t, BARE) for target in module.imports.values() for t in _targets(target)]
@@ -221,7 +361,7 @@ def _targets(target: str) -> tuple[str, ...]:
 
 
 def _at(root: Path, place: Place) -> tuple[Statement, ...]:
-    module = sources.module(root, place[0])
+    module = module_of(root, place[0])
     if module is None:
         return ()
     if place[1] == WHOLE:
@@ -231,7 +371,7 @@ def _at(root: Path, place: Place) -> tuple[Statement, ...]:
 
 def _named_places(root: Path, name: str, statement: Statement) -> Iterator[Place]:
     """Yield the places that a statement of a module names."""
-    local, module = dict(statement.imports), sources.module(root, name)
+    local, module = dict(statement.imports), module_of(root, name)
     for target in local.values():
         yield from ((t, BARE) for t in _targets(target))
     for first, *attributes in statement.paths:
@@ -245,16 +385,16 @@ def _named_places(root: Path, name: str, statement: Statement) -> Iterator[Place
 
 def _resolve_attributes(root: Path, target: str, attributes: Sequence[str]) -> Iterator[Place]:
     """Yield what `target.attribute. ...` names, where the target is a module or a name in one."""
-    if sources.module(root, target) is None:
+    if module_of(root, target) is None:
         parent, _, last = target.rpartition(".")
-        if parent and sources.module(root, parent) is not None:
+        if parent and module_of(root, parent) is not None:
             yield from _resolve_name(root, parent, last, attributes)
         return
     if not attributes:
         yield target, WHOLE
         return
     deeper = f"{target}.{attributes[0]}"
-    if sources.module(root, deeper) is not None:
+    if module_of(root, deeper) is not None:
         yield from _resolve_attributes(root, deeper, attributes[1:])
     else:
         yield from _resolve_name(root, target, attributes[0], attributes[1:])
@@ -262,7 +402,7 @@ def _resolve_attributes(root: Path, target: str, attributes: Sequence[str]) -> I
 
 def _resolve_name(root: Path, name: str, binding: str, attributes: Sequence[str]) -> Iterator[Place]:
     """Yield the statement that binds a name in a module, the one that it is imported from, or the module whole."""
-    module = sources.module(root, name)
+    module = module_of(root, name)
     if module and binding in module.statements:
         yield name, binding
     elif module and binding in module.imports:
@@ -275,7 +415,7 @@ def _resolve_name(root: Path, name: str, binding: str, attributes: Sequence[str]
 
 def _beside(root: Path, name: str) -> Iterator[str]:
     """Yield a line for each data file in the folder of a module."""
-    module = sources.module(root, name)
+    module = module_of(root, name)
     if module is not None and module.path.is_file():
         yield from _data(module.path.parent)
 

@@ -215,7 +215,7 @@ class Withstand:
 class SensorFaults:
     """Each of `sensors` fails alone, from `at_s` to the end, in each of `motions`; no fault bit is set before.
 
-    `kind` is a fault of a campaign's sensors, or "zero" (`simulate.faults.fault_effects`). A motion gives profiles of
+    `kind` is a fault of a campaign's sensors, or "zero" (`simulate.faults.injections`). A motion gives profiles of
     set-points, at whose start the run starts at rest. The guard refuses the readings at once: the controller brakes or
     latches with the last of the interface's bad samples, and commands go to their safe values as declared.
 

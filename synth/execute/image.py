@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from unicorn import UC_ARCH_ARM, UC_MODE_THUMB, Uc, UcError, arm_const
 
 from synth.errors import SignalError, SynthError
-from synth.execute import cross, cycles, elf, recorder, trace
+from synth.execute import cross, cycles, elf, trace
 
 _CPUS = {"cortex-m4f": arm_const.UC_CPU_ARM_CORTEX_A15, "cortex-m7": arm_const.UC_CPU_ARM_MAX}
 _PAGE = 0x1000
@@ -138,7 +138,7 @@ class Image:
         parts: list[tuple[trace.Counts, cycles.Cycles | None]] = []
         self.write(STACK, _PAINT * (STACK_BYTES // len(_PAINT)))
         self._require_plain_floats()
-        with recorder.attach(self.engine) as record:
+        with trace.attach(self.engine) as record:
             for row in arguments.tolist():
                 results.append(self._call(function, begin, row))
                 record.end_call()
@@ -151,7 +151,7 @@ class Image:
     def _timing(self) -> cycles.Timing:
         return cycles.timing(self.code)
 
-    def _evaluate(self, record: recorder.Record) -> tuple[trace.Counts, cycles.Cycles | None]:
+    def _evaluate(self, record: trace.Record) -> tuple[trace.Counts, cycles.Cycles | None]:
         path = trace.reconstruct_path(self.code, record)
         has_table = self.core == "cortex-m4f"
         return trace.count(self.code, path), cycles.estimate(self._timing, path) if has_table else None

@@ -2,7 +2,7 @@
 
     facts   model   law   gains   loops   experiments   audit   verification   cost   files
 
-The section on faults is in `faults`. `template` combines them for a declared stage; other designs call the functions
+The section on faults is in `sections`. `template` combines them for a declared stage; other designs call the functions
 that they need.
 """
 
@@ -18,14 +18,14 @@ from synth.analyse.loops.stability_margins import Margins
 from synth.block import Block
 from synth.emit.write import EmittedCode
 from synth.plant import Plant
-from synth.report import bode, figures, gains_table, page, sections
+from synth.report import bode, figures, page, sections
 from synth.report.audit import Row
 from synth.report.equations import display
 from synth.report.equations.derive import NamedTerms
 from synth.report.first_screen import AUDIT, EXPERIMENTS, LOOPS, VERIFICATION
 from synth.report.notation import number
 from synth.report.page import Section
-from synth.report.presentation import HEADROOM, Shown, by_channel, in_fine_units, window, with_units
+from synth.report.sections import HEADROOM, Shown, by_channel, in_fine_units, window, with_units
 from synth.signals import Signal
 from synth.simulate.experiments import Experiment
 from synth.statespace import StateSpace
@@ -108,7 +108,7 @@ def law(block: Block, blocks: Sequence[page.Block] = ()) -> Section:
 
 def gains(document: Mapping[str, Any]) -> Section:
     """Return the tables of gains.json: laws with equal entries share a table, one column per law."""
-    return Section(GAINS, gains_table.tables(document))
+    return Section(GAINS, sections.gains_tables(document))
 
 
 def loops(opened: Iterable[Loop], blocks: Sequence[page.Block] = ()) -> Section:

@@ -20,12 +20,12 @@ from synth.analyse.loops.robustness import Survey
 from synth.check import Check, Incomplete, of_error
 from synth.declare.stage import Stage
 from synth.emit.write import EmittedCode
-from synth.report import faults, first_screen, page, prose, sections, standard, study, tuning
+from synth.report import first_screen, page, prose, sections, standard, tuning
 from synth.report.audit import Row
 from synth.report.equations.derive import NamedTerms
 from synth.report.page import Section
-from synth.report.presentation import Shown
 from synth.report.prose import Value
+from synth.report.sections import Shown
 from synth.simulate.experiments import Experiment
 from synth.verify.cost import Cost
 from synth.verify.suite import Evidence
@@ -82,8 +82,8 @@ def report(stage: Stage, results: Results) -> str:
     makers = {
         **_declared_sections(stage, gains(stage.name, files), evidence, extra),
         standard.EXPERIMENTS: lambda: standard.experiments(runs, extra.shown or default_style(stage)),
-        **({study.TITLE: partial(study.section, evidence.study)} if evidence.study else {}),
-        **({faults.TITLE: partial(faults.section, evidence.faults)} if evidence.faults else {}),
+        **({sections.STUDY: partial(sections.study_of_tolerances, evidence.study)} if evidence.study else {}),
+        **({sections.FAULTS: partial(sections.fault_campaign, evidence.faults)} if evidence.faults else {}),
         **({standard.AUDIT: lambda: standard.audit(rows)} if rows else {}),
         standard.VERIFICATION: lambda: standard.verification(evidence, extra.floor),
         first_screen.COST: lambda: _with_blocks(sections.cost(cost), extra.cost(runs) if cost else ()),

@@ -37,7 +37,7 @@ from synth.declare.experiments import (
     Withstand,
 )
 from synth.errors import DesignError, SignalError
-from synth.execute import host, recorder
+from synth.execute import host, trace
 from synth.signals import Signal
 from synth.simulate import conditions, effects, metrics
 from synth.simulate.faults import campaign, sensor_faults
@@ -82,9 +82,9 @@ def ratios(
 ) -> dict[str, float]:
     """Return r of each state of the control laws, under input columns (N,) from `init` with `initial` states.
 
-    Raises SignalError as `recorder.states`.
+    Raises SignalError as `trace.states`.
     """
-    states = recorder.states(controller, inputs, initial)
+    states = trace.states(controller, inputs, initial)
     fields = controller.manifest["structs"]["state"]["fields"]
     laws = [f for f in fields if f["ctype"] in _REAL and not f["name"].startswith(_GUARD_PREFIXES)]
     return {f["name"]: _ratio(states[f["name"]].astype(np.float64), f["low"], f["high"]) for f in laws}

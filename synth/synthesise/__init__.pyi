@@ -12,8 +12,8 @@ from synth.synthesise.observers.lqg import predictor as lqg
 from synth.synthesise.observers.reduced_observer import from_gain as reduced_observer
 from synth.synthesise.regulation.anti_windup import back_calculation as back_calculation
 from synth.synthesise.regulation.internal_model import exosystem as internal_model
-from synth.synthesise.regulation.optimal_servo import lqr as servo
-from synth.synthesise.regulation.optimal_servo import lqrd as servo_discrete
+from synth.synthesise.regulation.servo import lqr as servo
+from synth.synthesise.regulation.servo import lqrd as servo_discrete
 from synth.synthesise.riccati.riccati import solve as solve_riccati
 
 __all__ = [

@@ -34,7 +34,7 @@ from synth.declare.companion import Companion
 from synth.emit.c import expressions
 from synth.emit.write import EmittedCode
 from synth.errors import EmitError, SignalError
-from synth.execute import cross, elf, host, image, recorder
+from synth.execute import cross, elf, host, image, trace
 from synth.execute.image import Image
 from synth.verify import cost, steps
 from synth.verify.cost import LAW_ALONE, SYNTH, Cost, Coverage, Memory, SequenceCost, StepCost
@@ -388,7 +388,7 @@ def count_instructions(candidate: Candidate, sequence: Steps, build: Build) -> N
     machine = boot(candidate, build, link(candidate, build))
     arguments = candidate.lay_out(machine, sequence).arguments
     counts = []
-    with recorder.attach(machine.engine) as record:
+    with trace.attach(machine.engine) as record:
         for row in arguments:
             machine.calls(candidate.entry, row[np.newaxis])
             record.end_call()

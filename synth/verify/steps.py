@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth.blocks.guard import safety
 from synth.errors import SignalError
-from synth.execute import host, recorder
+from synth.execute import host, trace
 
 SEED = 19_680
 GOOD, LATCHED = 4, 80  # samples before and after bad ones, and samples after the latch
@@ -58,10 +58,10 @@ def record(
 ) -> Steps:
     """Return the N steps under input columns (N,) or constants, with the state before each.
 
-    The first is that after `init`, with `initial` states. Raises SignalError as `recorder.states`.
+    The first is that after `init`, with `initial` states. Raises SignalError as `trace.states`.
     """
     n = host.length(inputs)
-    states = recorder.states(controller, inputs, initial)
+    states = trace.states(controller, inputs, initial)
     return Steps(name, states[:n], controller.records(inputs, n), closed_loop)
 
 

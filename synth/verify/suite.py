@@ -23,7 +23,7 @@ from synth.check import Check
 from synth.declare.stage import Reference
 from synth.declare.tuning import BenchMargins
 from synth.execute import host
-from synth.simulate import study_table
+from synth.simulate import study as studies
 from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.study import StudyTable
 from synth.verify import agree, disagreement, replays, steps
@@ -81,7 +81,7 @@ class Evidence:
             ],
             "checks": [c.document() for c in self.checks],
             **({"faults": self.faults.document()} if self.faults else {}),
-            **({"study": study_table.document(self.study)} if self.study else {}),
+            **({"study": studies.document(self.study)} if self.study else {}),
         }
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from synth.app import compare_command, comparison, workspace
-from synth.app.compare_command import CompareChoice
+from synth.app import comparison, workspace
+from synth.app.comparison import CompareChoice
 from synth.base import jobs
 from synth.base.progress import Lines
 from synth.declare.stage import MARGINS, Stage
@@ -38,7 +38,7 @@ def laws(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 def test_two_laws_run_on_the_same_machines(laws: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = laws / "comparison.html"
-    assert compare_command.compare(NAMES, True, False, CompareChoice(PLAN, ("z_*",), file)) == 0
+    assert comparison.compare(NAMES, True, False, CompareChoice(PLAN, ("z_*",), file)) == 0
     first, second = json.loads(capsys.readouterr().out)
     assert [first["design"], second["design"]] == [*NAMES] and first["rows"] == 5
     settled, slow = ({s["name"]: s for s in side["summaries"]}["z_ref: settles"] for side in (first, second))
@@ -52,7 +52,7 @@ def test_two_laws_run_on_the_same_machines(laws: Path, capsys: pytest.CaptureFix
 
 
 def test_the_tables_fit_a_terminal(laws: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert compare_command.compare(NAMES, False, False, CompareChoice(PLAN, ("z_*",), None)) == 0
+    assert comparison.compare(NAMES, False, False, CompareChoice(PLAN, ("z_*",), None)) == 0
     shown = capsys.readouterr().out
     assert "levitator_slow: 0 of 5 machines keep every limit" in shown and "x_ref: settles" not in shown
 
@@ -93,6 +93,6 @@ def test_a_stage_without_operating_points_has_no_margins(laws: Path) -> None:
     first, second = (replace(d, operating_points={}) for d in (workspace.designs(laws, [n])[0] for n in NAMES))
     plan = comparison.plan_of((first, second), PLAN, ("z_*",))
     outcomes = jobs.run(comparison.jobs((first, second), plan), Lines(lambda about, line: None), 2)
-    sides = comparison.sides((first, second), plan, outcomes)
+    sides = comparison.sides_of((first, second), plan, outcomes)
     assert [side.margins for side in sides] == [{}, {}]
     assert "Least margins" in report.page_text(sides)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from synth.app import new
+from synth.app import commands
 from synth.errors import SynthError
 
 ROOT = Path(__file__).parents[2]
@@ -40,7 +40,7 @@ def test_two_new_stages_build_and_pass_their_own_tests(tmp_path: Path) -> None:
 
 
 def test_the_new_files_are_as_clean_as_this_repository(tmp_path: Path) -> None:
-    folder, files = new.create(tmp_path, "stage")
+    folder, files = commands.create(tmp_path, "stage")
     assert all((folder / path).is_file() for path in files) and Path(".gitignore") in files
     settings = ("--config", str(ROOT / "pyproject.toml"), "--ignore", "I001")  # sorted as in a workspace of its own
     assert (ended := run(folder, sys.executable, "-m", "ruff", "check", *settings, ".")).returncode == 0, ended.stdout
@@ -50,7 +50,7 @@ def test_the_new_files_are_as_clean_as_this_repository(tmp_path: Path) -> None:
 
 def test_the_new_workspace_installs_synth_from_a_clone(tmp_path: Path) -> None:
     """The package is on no index."""
-    folder, _ = new.create(tmp_path, "stage")
+    folder, _ = commands.create(tmp_path, "stage")
     for file, clone in (("README.md", "../synth"), (".github/workflows/ci.yml", "./.synth")):
         text = (folder / file).read_text()
         assert f"pip install {clone}\n" in text and "synth-stage" not in text
@@ -58,7 +58,7 @@ def test_the_new_workspace_installs_synth_from_a_clone(tmp_path: Path) -> None:
 
 def test_the_gains_of_a_new_stage_know_a_damper(tmp_path: Path) -> None:
     """x'' = a x + c x' + b i under i = I - P x - D v, I' = -k x / T has its three poles at -W."""
-    folder, _ = new.create(tmp_path, "stage")
+    folder, _ = commands.create(tmp_path, "stage")
     model = folder / "models" / "stage.py"
     rate = '"vz": lift / p["M"] - p["g"]'
     assert rate in model.read_text()
@@ -78,7 +78,7 @@ def test_the_gains_of_a_new_stage_know_a_damper(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["", "1a", "a-b", "../up", "My", "class", "int", "tests", "models", "é"])
 def test_a_name_that_no_module_can_have_is_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(SynthError, match=r"cannot be the name of a module|no identifier of C"):
-        new.create(tmp_path, name)
+        commands.create(tmp_path, name)
     assert not list(tmp_path.iterdir())
 
 
@@ -87,14 +87,14 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     mine = tmp_path / "lens" / "models" / "lens.py"
     mine.write_text("mine")
     with pytest.raises(SynthError, match=r"lens\.py exists already, and nothing was written"):
-        new.create(tmp_path, "lens")
+        commands.create(tmp_path, "lens")
     assert mine.read_text() == "mine" and [p.name for p in (tmp_path / "lens").rglob("*.*")] == ["lens.py"]
 
 
 @pytest.mark.slow
 def test_a_new_stage_starts_without_a_jolt(tmp_path: Path) -> None:
     """An integral that starts at 0 is the planted defect: P z of 3 A is asked for at once."""
-    folder, _ = new.create(tmp_path, "stage")
+    folder, _ = commands.create(tmp_path, "stage")
     script = (
         "import numpy as np\nfrom designs.stage.design import DESIGN\nfrom synth.app import standard_tasks\n"
         "rig = standard_tasks.rig(DESIGN, np.float32)\n"

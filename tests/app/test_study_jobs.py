@@ -18,7 +18,7 @@ from synth.base import jobs, store
 from synth.base.progress import Lines, silent
 from synth.declare.stage import Stage
 from synth.errors import DesignError
-from synth.simulate import study_table
+from synth.simulate import study
 from synth.simulate.sampling import Method, Sampling
 from synth.simulate.study import StudyTable
 from tests import levitator
@@ -90,7 +90,7 @@ def test_a_killed_study_goes_on_where_it_was(design: Stage, tmp_path: Path) -> N
     assert len(stored_chunks()) == len(PLAN.chunks)
     assert all(path.stat().st_ino == inode for path, inode in kept.items()), "a stored chunk was computed again"
     with store.fresh_run():
-        assert file.read_text() == study_table.csv_text(whole(design))
+        assert file.read_text() == study.csv_text(whole(design))
 
 
 def test_the_document_and_the_file(design: Stage, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

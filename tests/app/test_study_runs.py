@@ -7,7 +7,7 @@ import pytest
 
 from synth.app import study_runs
 from synth.base.progress import silent
-from synth.report import study as report
+from synth.report import sections as report
 from synth.simulate.experiments import Experiment
 from synth.simulate.rig import Rig
 from tests import levitator

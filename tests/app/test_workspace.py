@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from synth.app import builds, workspace
 from synth.app.cli import app
-from synth.base import sources, store
+from synth.base import slices, store
 from synth.base.progress import Progress
 from synth.declare.stage import Stage
 from synth.errors import DesignError
@@ -203,7 +203,7 @@ def test_an_unchanged_build_imports_no_design_and_any_source_changes_it(
         file.write_text("x = 1\n")
     toolkit = tmp_path / "toolkit"
     toolkit.mkdir()
-    monkeypatch.setattr(sources, "TOOLKIT", toolkit)
+    monkeypatch.setattr(slices, "TOOLKIT", toolkit)
     files.append(toolkit / "emit.py")
     files[-1].write_text("y = 1\n")
     key = builds.source_key(tmp_path, "stage")

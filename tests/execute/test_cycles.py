@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from synth.errors import SynthError
-from synth.execute import cycles, image, recorder, trace
+from synth.execute import cycles, image, trace
 from tests.execute.planted import assembly, loaded
 
 # The way back: bx, 1 + P with P of 1 to 3.
@@ -101,7 +101,7 @@ def test_every_call_is_estimated_by_itself() -> None:
 
 
 def path_of(machine: image.Image) -> trace.Trace:
-    with recorder.attach(machine.engine) as record:
+    with trace.attach(machine.engine) as record:
         machine.call("f")
         record.end_call()
         return trace.reconstruct_path(machine.code, record.take())

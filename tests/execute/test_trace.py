@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from synth.errors import SynthError
-from synth.execute import elf, image, recorder, trace
+from synth.execute import elf, image, trace
 from tests import tools
 from tests.execute import planted
 from tests.execute.planted import assembly
@@ -32,7 +32,7 @@ def test_instructions_predicated_false_count(compiler: str) -> None:
 def test_the_record_of_the_emulator_omits_them() -> None:
     """The emulator records 5 of these 6 instructions: its hook runs after the test of the condition."""
     machine = loaded("clamp", CLAMP)
-    with recorder.attach(machine.engine) as record:
+    with trace.attach(machine.engine) as record:
         machine.call("clamp", 5, 0)
         record.end_call()
         taken = record.take()
@@ -95,7 +95,7 @@ def test_every_condition_is_a_decision_once(body: str, decisions: list[str]) -> 
 def test_a_long_record_is_evaluated_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     machine, calls = loaded("sum", LOOP), np.array([[3, n] for n in (1, 30, 2, 30, 30, 1, 5)])
     whole = machine.measure("sum", calls).cost
-    monkeypatch.setattr(recorder.attach.__wrapped__, "__defaults__", (200,))  # two calls of 30 rounds and a bit
+    monkeypatch.setattr(trace.attach.__wrapped__, "__defaults__", (200,))  # two calls of 30 rounds and a bit
     parts = machine.measure("sum", calls).cost
     assert parts.instructions.tolist() == whole.instructions.tolist() == [3 + 3 * n for n in calls[:, 1]]
     assert machine.measure("sum", calls[:4]).cost.instructions.tolist() == whole.instructions[:4].tolist()  # ends full
@@ -110,7 +110,7 @@ def test_measurement_ends_with_the_call() -> None:
     machine = loaded("sum", LOOP)
     assert machine.call("sum", 2, 3) == 6
     assert machine.measure("sum", np.array([[2, 3]])).cost.instructions.tolist() == [12]
-    with recorder.attach(machine.engine) as record:
+    with trace.attach(machine.engine) as record:
         pass
     assert machine.call("sum", 2, 3) == 6 and record.take().addresses.size == 0
 
@@ -119,7 +119,7 @@ def test_an_impossible_path_is_refused() -> None:
     code = loaded("sum", LOOP).code
     start = int(code.program.address("sum"))
     for offsets, says in (((0, 4), "not predicated"), ((0, 1), "need an instruction"), ((0, 2, 0), "not predicated")):
-        wrong = recorder.Record(np.array([start + o for o in offsets], np.uint32), np.array([len(offsets)]))
+        wrong = trace.Record(np.array([start + o for o in offsets], np.uint32), np.array([len(offsets)]))
         with pytest.raises(SynthError, match=says):
             trace.reconstruct_path(code, wrong)
 

@@ -26,7 +26,8 @@ from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, reduced_observer
-from synth.synthesise.regulation import internal_model, optimal_servo
+from synth.synthesise.regulation import internal_model
+from synth.synthesise.regulation import servo as servos
 from synth.timing import Continuous, Discrete, Time
 
 Call = Mapping[str, Any]
@@ -119,7 +120,7 @@ def usual() -> Call:
     held = discretise.zero_order_hold(stage, T)
     gain = lqr.lqrd(stage, np.eye(2), np.eye(1), T)
     estimator = kalman.kalmd(stage, 1e-4 * np.eye(2), [[1e-6]], T)
-    servo = optimal_servo.lqrd(stage, [0.0], np.ones(3), np.eye(1), T)
+    servo = servos.lqrd(stage, [0.0], np.ones(3), np.eye(1), T)
     rows = np.linspace(0.0, 1.0, 12)
     return {
         **dict.fromkeys(("system", "plant", "model", "loop"), stage),

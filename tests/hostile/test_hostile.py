@@ -28,15 +28,14 @@ ANSWERED = {  # by the arguments that take a kind of value that few take
 # Read by another function; an array has its own name from NumPy 2.5 on.
 READ = ("ndarray", "NDArray", "arb_mat", "casadi.SX", "Jacobian", "Solution", "Partition", "Curve", "Equation")
 INNER = {  # modules whose functions take what others have read
-    *("digits", "precise", "staircase", "structured_peak", "structured_singular_value", "equation", "exact_riccati"),
-    *("derivatives", "solvability", "exact_lyapunov", "trajectory", "weights", "statespace", "crossings"),
+    *("digits", "precise", "staircase", "structured_peak", "structured_singular_value", "equation", "exact"),
+    *("derivatives", "solvability", "weights", "statespace", "crossings"),
     *(
         "grid_crossings",
         "zpk",
         "sturm",
         "nearest_root",
         "resolvent",
-        "period_cost",
         "isolated_zeros",
         "glsdc",
         "error_map",
@@ -50,6 +49,8 @@ INNER_FUNCTIONS = {  # likewise, of other modules
     "equilibrium": {"of_loop"},
     "fault": {"with_reactions", "enumeration"},
     "glsdc_estimator": {"of_solution", "of_monitor", "of_search"},
+    "identify": {"Problem", "problem", "TrajectoryFit", "refine_steps"},
+    "lqr": {"PeriodCost", "over_period"},
     "magnitude": {"equilibrated", "is_singular"},
     "reduced_observer": {"of_model", "measurement_rows"},
     "redundancy": {"of_redundancy"},

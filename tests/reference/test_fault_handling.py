@@ -15,7 +15,7 @@ from synth.blocks.faults import landing as landing_block
 from synth.blocks.faults import probe as probe_block
 from synth.blocks.faults import redundancy as redundancy_block
 from synth.composition import compose
-from synth.reference import landing, predictor, probe, redundancy
+from synth.reference import fault_handling
 from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 from synth.verify import agree, sampling
@@ -60,14 +60,14 @@ DECISION = redundancy_block.Decision(
     frozen={"x": 1.5e-3},
 )  # fmt: skip
 MISSED = Signal("missed_calls", "1", 0, 40)
-OF = redundancy.Sensors(
+OF = fault_handling.Sensors(
     {"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3, 2.0, 1.8e-3, ["x"],
     gate=1e-3, frozen=1.5e-3, jump=2e-3, wide_jump=5e-3, wide_frozen=3e-3, travel=0.9, longest=50,
     low=np.full(4, -1.0), high=np.full(4, 1.0),
 )  # fmt: skip
 
 
-def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
+def redundancy_differs(of: fault_handling.Sensors = OF) -> list[str]:
     block = whole(
         innovation_monitor.block(TIME, SENSORS[-1], DECISION, MISSED),
         redundancy_block.block(TIME, SENSORS, [Relation(dict(OF.signs), 1e-3, 2.0, 1.8e-3)], DECISION),
@@ -90,7 +90,7 @@ def redundancy_differs(of: redundancy.Sensors = OF) -> list[str]:
     read = x | {"guard_ready": u["ready"], "guard_latched": latched, "probe_x_attempt": u["x_unanswered"]}
     y, expected = (np.array([u[f"{s.name}_{n}"] for s in SENSORS]) for n in ("accepted", "expected"))
     good = np.array([u[f"fault_{s.name}"] == 0 for s in SENSORS])
-    value, suspects, flags, after = redundancy.readings(read, y, good, expected, 1, u["missed_calls"], of)
+    value, suspects, flags, after = fault_handling.readings(read, y, good, expected, 1, u["missed_calls"], of)
     outputs = {f"{s.name}_held": v for s, v in zip(SENSORS, value, strict=True)}
     outputs |= {f"suspect_{s.name}": v.astype(float) for s, v in zip(SENSORS, suspects, strict=True)}
     outputs |= {n: flags[n].astype(float) for n in ("regular", "determined", "sufficient")}
@@ -107,10 +107,12 @@ def predictor_differs(bandwidth: float = 60.0) -> list[str]:
     block = whole(block)
     x, u = draw(block)
     u["x_unchanged"] = np.round(u["x_unchanged"])
-    of = predictor.Observers({"x": predictor.Axis(bandwidth, -0.1, 0.1, 2.0, 20.0, True)}, T, 30.0, (0.8, 1.2))
+    of = fault_handling.Observers(
+        {"x": fault_handling.Axis(bandwidth, -0.1, 0.1, 2.0, 20.0, True)}, T, 30.0, (0.8, 1.2)
+    )
     trusted, frozen = (np.array([u[n] > 0]) for n in ("x_trusted", "suspect_x"))
     still, ready = np.array([u["x_unchanged"]]), u["ready"] > 0
-    q, v, d, after = predictor.observe(
+    q, v, d, after = fault_handling.observe(
         x, np.array([u["x"]]), np.array([u["w_before"]]), trusted, frozen, still, ready, of
     )
     return differs(block, x, u, after, {"x_estimate": q[0], "x_rate": v[0], "x_disturbance": d[0]})
@@ -121,9 +123,9 @@ def probe_differs(quarter: int = 3) -> list[str]:
     block = whole(probe_block.block(TIME, "x", Signal("e_x", "m", -0.2, 0.2), W, settings))
     x, u = draw(block)
     u["x_unchanged"] = np.round(u["x_unchanged"])
-    by = probe.Probe(40, quarter, 4.2e-6, 5, T)
+    by = fault_handling.Probe(40, quarter, 4.2e-6, 5, T)
     e, w, still = (np.array([u[n]]) for n in ("e_x", "w_x_unprobed", "x_unchanged"))
-    demand, after = probe.probe("x", w, e, x, still, u["free"] > 0, by)
+    demand, after = fault_handling.probe("x", w, e, x, still, u["free"] > 0, by)
     return differs(block, x, u, {n: np.asarray(v, float) for n, v in after.items()}, {"w_x": demand[0]})
 
 
@@ -138,10 +140,10 @@ def landing_differs(descent: float = 2.0, good_samples: int = 4, rest: float = 0
     u["latched"], u["y"] = np.zeros(N), np.random.default_rng(2).uniform(0.03, 0.031, N)
     x["landing_r_y"] = np.where(u["y"] > 0.0303, 0.032, x["landing_r_y"])
     poles = {"y": 60.0, "x": 30.0}
-    of = landing.Landing(poles, poles, 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, descent, (4.0,), 5, good_samples, T)
+    of = fault_handling.Landing(poles, poles, 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, descent, (4.0,), 5, good_samples, T)
     estimate = tuple(np.array([u[f"{q}_{n}"] for q in "yx"]) for n in ("estimate", "rate", "disturbance"))
     read = x | {"guard_ready": u["ready"]}
-    w, lands, after = landing.demand(read, estimate, u["regular"] > 0, np.ones(N, bool), of)  # type: ignore[arg-type]
+    w, lands, after = fault_handling.demand(read, estimate, u["regular"] > 0, np.ones(N, bool), of)  # type: ignore[arg-type]
     landed = after.pop("landed")
     tracking = np.array([u["w_y_tracking"], u["w_x_tracking"]])
     demand = np.where(lands, np.clip(w, -of.most, of.most), tracking)
@@ -178,4 +180,4 @@ def test_a_planted_defect_is_detected(of: Callable[[], list[str]]) -> None:
 
 
 def test_missed_calls_count_from_0_to_the_limit() -> None:
-    assert landing.misses_calls([0.0, 40.0, 41.0, -1.0, np.nan], 40).tolist() == [False, False, True, True, True]
+    assert fault_handling.misses_calls([0.0, 40.0, 41.0, -1.0, np.nan], 40).tolist() == [False, False, True, True, True]

@@ -11,14 +11,7 @@ from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, lqg, reduced_observer, square_root_kalman
-from synth.synthesise.regulation import (
-    anti_windup,
-    internal_model,
-    leapfrog_form,
-    optimal_servo,
-    regulator_equations,
-    steady_error,
-)
+from synth.synthesise.regulation import anti_windup, internal_model, regulator_equations, servo, steady_error
 from synth.synthesise.regulation.regulator_equations import Mode
 from synth.synthesise.riccati import riccati, weights
 from synth.timing import Continuous, Discrete
@@ -124,7 +117,7 @@ MODEL = [
         call(
             anti_windup.back_calculation,
             f"winds up: ...{part} decay_per_s",
-            regulator=optimal_servo.lqr(*SINES),
+            regulator=servo.lqr(*SINES),
             decay_per_s=r,
         )
         for r, part in ((1e-14, "choose a larger"), (1e8, "decides its decay at 1e+08 1/s: choose a smaller"))
@@ -132,7 +125,7 @@ MODEL = [
     call(
         anti_windup.back_calculation,
         "is 10000, and the gain ...deadbeat already: give ...of 40000 1/s or less",
-        regulator=optimal_servo.lqrd(*SINES, 1e-3),
+        regulator=servo.lqrd(*SINES, 1e-3),
         decay_per_s=1e7,
     ),
     call(internal_model.augmented, "zero at 0 rad/s", plant=third([0, 1, 0]), exosystem=(0.0, 2.0)),
@@ -140,13 +133,13 @@ MODEL = [
         internal_model.augmented, "2 outputs (y0, y1) cannot be regulated by 1 inputs (f)", plant=third(np.eye(3)[:2])
     ),
     call(
-        optimal_servo.lqr,
+        servo.lqr,
         "from f to y0 has a transmission zero at 2 rad/s",
         system=third([4, 0, 1]),
         exosystem=[2.0],
         Q=np.eye(5),
     ),
-    call(optimal_servo.lqr, "2 outputs (x, v) cannot be regulated by 1 inputs", system=DOUBLE, Q=np.eye(4)),
+    call(servo.lqr, "2 outputs (x, v) cannot be regulated by 1 inputs", system=DOUBLE, Q=np.eye(4)),
     call(
         regulator_equations.require_solvable,
         "2 outputs (y1, y2) cannot be regulated by 1 inputs (u1)",
@@ -282,12 +275,12 @@ SIGNAL = [
         internal_model.in_time, "frequency 3200.0 rad/s: it must lie below 31.4159 rad/s", exosystem=(3200.0,), time=D
     ),
     call(
-        leapfrog_form.controller,
+        servo.controller,
         "a mode that grows or counts more than once",
-        regulator=optimal_servo.lqrd(REGULATED, {0.0: 2}, np.ones(4), [1.0], T),
+        regulator=servo.lqrd(REGULATED, {0.0: 2}, np.ones(4), [1.0], T),
     ),
     *(call(regulator_equations.roots, "give a", S=S) for S in (np.zeros((2, 3)), np.zeros((0, 0)), [[np.nan]])),
-    call(optimal_servo.lqrd, "names 'xi2_x', which is not one of x, v, xi1", Q={"xi2_x": 1.0}),
+    call(servo.lqrd, "names 'xi2_x', which is not one of x, v, xi1", Q={"xi2_x": 1.0}),
     *(
         call(riccati.solve, part, system=DOUBLE, **changed)
         for changed, part in (
@@ -338,10 +331,10 @@ TIMING = [
         plant=third([1, 0, 0], Discrete(2 * T)),
         exosystem=internal_model.in_time((0.0,), Discrete(T)),
     ),
-    call(leapfrog_form.controller, "meets", system=StateSpace(*[np.zeros((0, 0))] * 4, (), (), (), Discrete(1.0))),
-    call(leapfrog_form.controller, "", regulator=optimal_servo.lqr(REGULATED, (0.0,), np.ones(3), [1.0])),
-    call(optimal_servo.lqrd, "continuous time meets discrete time of 0.1 s", system=replace(REGULATED, time=D)),
-    call(optimal_servo.lqrd, "finite and positive", period_s=0.0),
+    call(servo.controller, "meets", system=StateSpace(*[np.zeros((0, 0))] * 4, (), (), (), Discrete(1.0))),
+    call(servo.controller, "", regulator=servo.lqr(REGULATED, (0.0,), np.ones(3), [1.0])),
+    call(servo.lqrd, "continuous time meets discrete time of 0.1 s", system=replace(REGULATED, time=D)),
+    call(servo.lqrd, "finite and positive", period_s=0.0),
 ]
 
 test_a_call_of_the_regulation_raises_a_model_error = refusals(ModelError, MODEL)

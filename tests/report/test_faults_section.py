@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from synth.declare.fault_campaign import FaultCampaign, FaultLimit
-from synth.report import faults, page
+from synth.report import page, sections
 from synth.simulate.faults import fault_table
 from synth.simulate.faults.campaign import FaultRun, HealthyRun, Sweep
 from synth.simulate.faults.injections import Injection
@@ -31,7 +31,7 @@ def campaign(*limits: FaultLimit) -> fault_table.Campaign:
 
 
 def render(result: fault_table.Campaign) -> str:
-    return page.render(page.Report("stage", "about", (faults.section(result),)))
+    return page.render(page.Report("stage", "about", (sections.fault_campaign(result),)))
 
 
 def test_the_section_has_impact_energy_times_magnitudes_and_the_control() -> None:

@@ -8,8 +8,8 @@ import numpy as np
 from synth import show
 from synth.analyse.loops import stability_margins
 from synth.check import Check
-from synth.report import gains_table, page, standard
-from synth.report.presentation import Shown
+from synth.report import page, sections, standard
+from synth.report.sections import Shown
 from synth.simulate.experiments import Experiment
 from synth.statespace import StateSpace, readonly
 from synth.timing import Continuous, Discrete
@@ -42,7 +42,7 @@ def open_loop(signal: str, gain: float) -> Opened:
 
 
 def test_laws_with_the_same_entries_share_a_table() -> None:
-    first, alike, laws, other = gains_table.tables(DOCUMENT)
+    first, alike, laws, other = sections.gains_tables(DOCUMENT)
     assert [row[0] for row in first.rows] == ["plant", "period s"]
     assert laws.columns == ("entry", "z", "x") and other.columns == ("entry", "filter")
     assert laws.rows == (("K", "1, −2.5", "3\n4\n5"),)

@@ -12,8 +12,8 @@ from synth.check import Check
 from synth.declare.effects import CurrentLoops
 from synth.declare.experiments import Conditions, Hold
 from synth.errors import DesignError, SignalError, WiringError
-from synth.report import study as report
-from synth.simulate import integration, study, study_table, worst_case
+from synth.report import sections as report
+from synth.simulate import integration, study, worst_case
 from synth.simulate.experiments import Experiment
 from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
@@ -144,7 +144,7 @@ def test_a_machine_without_a_result_fails_and_is_reported(rig: Rig) -> None:
     assert {row for row, _, _ in table.errors} == set(np.flatnonzero(heavy))
     reason = "planted; at tests/simulate/test_study.py:"  # and the line
     assert study.notes(table)[1].startswith(f"No result of fall on {heavy.sum()} machines: {reason}")
-    assert study_table.csv_text(table).count("nan") == 2 * heavy.sum()
+    assert study.csv_text(table).count("nan") == 2 * heavy.sum()
 
 
 def test_the_steps_are_the_fewest_within_the_error(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -207,15 +207,15 @@ def test_parquet_without_pyarrow_is_refused_with_a_mend(monkeypatch: pytest.Monk
     def absent(name: str) -> None:
         raise ImportError(name)
 
-    monkeypatch.setattr(study_table, "import_module", absent)
+    monkeypatch.setattr(study, "import_module", absent)
     with pytest.raises(DesignError, match="needs pyarrow, which is not installed: run `pip install"):
-        study_table.require_parquet()
+        study.require_parquet()
 
 
 def test_parquet_has_the_columns_of_csv(table: StudyTable, tmp_path: Path) -> None:
-    _, parquet = study_table.require_parquet()
-    study_table.write_parquet(table, tmp_path / "table.parquet")
+    _, parquet = study.require_parquet()
+    study.write_parquet(table, tmp_path / "table.parquet")
     again = parquet.read_table(tmp_path / "table.parquet")
-    columns = study_table.columns(table)
+    columns = study.columns(table)
     assert again.column_names == list(columns)
     assert all(again[name].to_numpy().tobytes() == values.tobytes() for name, values in columns.items())

@@ -12,7 +12,7 @@ from synth.declare.companion import Companion
 from synth.reference import guard
 from synth.signals import Signal
 from synth.timing import Discrete
-from synth.verify import drive, suite
+from synth.verify import standard, suite
 from tests.verify.test_stimuli import STAGE
 
 TIME, IN, OUT = Discrete(1e-3), Signal("u", "A", -2.0, 2.0), Signal("i", "A", -4.0, 4.0)
@@ -43,7 +43,7 @@ def reference(factor: float) -> Any:
 def test_its_reference_agrees_unless_it_is_wrong(factor: float, passes: bool) -> None:
     companion = Companion(BLOCK.name, lambda: BLOCK, reference=reference(factor), floor=1.0)
     rng = np.random.default_rng(1)
-    compared, single = drive.compare(companion, "amplifier", STAGE, RUN, rng, (500, 200))
+    compared, single = standard.compare(companion, "amplifier", STAGE, RUN, rng, (500, 200))
     checks = suite.exact_checks(compared, "A")
     assert {a.what for a in compared} == {f"amplifier, {n}" for n in ("random steps", "edge steps", "replay")}
     assert all(c.passed for c in checks) == passes and single.worst < 1e-6

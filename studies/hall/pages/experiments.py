@@ -13,8 +13,8 @@ from synth.blocks.laws.error_map import ErrorMap
 from synth.report import figures, maps, page, standard
 from synth.report.maps import Chart, Line, Map
 from synth.report.notation import readable
-from synth.report.presentation import Shown
 from synth.report.prose import Content, Rows
+from synth.report.sections import Shown
 from synth.simulate.experiments import Experiment
 from synth.statespace import Array
 

@@ -39,7 +39,8 @@ from synth.signals import Signal
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.nonlinear.feedback_linearisation import Chain
 from synth.synthesise.observers import lqg
-from synth.synthesise.regulation import internal_model, leapfrog_form
+from synth.synthesise.regulation import internal_model
+from synth.synthesise.regulation import servo as servos
 from synth.timing import Discrete
 
 
@@ -120,7 +121,7 @@ def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
 
 def _description(state: str, axis: Axis) -> str:
     """Return what a state of the controller is, for the header of the C and the report."""
-    if state == leapfrog_form.SUM:
+    if state == servos.SUM:
         return "sum of the errors"
     frequencies = sorted(w for w in axis.modes if w)
     oscillators = {f"{letter}{k}": w for k, w in enumerate(frequencies, 1) for letter in "pq"}
@@ -152,10 +153,10 @@ def _start(regulator: Regulator, interface: Interface) -> linear_block.Start:
 
 
 def _with_integrator(controller: StateSpace, output: str, start: linear_block.Start, safe: float) -> linear_block.Start:
-    """Return the start with a state `leapfrog_form.SUM` for which the command at rest is `safe`."""
-    if leapfrog_form.SUM not in controller.states:
+    """Return the start with a state `servos.SUM` for which the command at rest is `safe`."""
+    if servos.SUM not in controller.states:
         return start
-    row, measured = controller.states.index(leapfrog_form.SUM), controller.inputs.index(output)
+    row, measured = controller.states.index(servos.SUM), controller.inputs.index(output)
     columns = [measured, controller.inputs.index(f"{output}_reference")]
 
     def compute() -> flint.arb_mat:

@@ -53,7 +53,7 @@ from synth.statespace import Array, StateSpace, readonly
 from synth.synthesise.nonlinear.feedback_linearisation import Linearisation
 from synth.synthesise.observers import kalman as filters
 from synth.synthesise.regulation import anti_windup as windup
-from synth.synthesise.regulation import internal_model, leapfrog_form, optimal_servo
+from synth.synthesise.regulation import internal_model
 from synth.synthesise.regulation import servo as servos
 from synth.timing import Discrete
 
@@ -197,19 +197,19 @@ def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     All its numbers are the same on every machine.
 
     Raises SignalError for a delay below 0 or a mode at or above the Nyquist frequency; ModelError as `kalman.kalmd`,
-    `optimal_servo.lqrd` and `anti_windup.back_calculation`.
+    `servo.lqrd` and `anti_windup.back_calculation`.
     """
     if delay < 0:
         raise SignalError(f"the delay is {delay} samples: give 0 or more")
     model, T, frequencies = axis.model, time.period_s, list(axis.modes)
-    undelayed = optimal_servo.lqrd(model, frequencies, _weight(axis), [axis.command_weight], T)
+    undelayed = servos.lqrd(model, frequencies, _weight(axis), [axis.command_weight], T)
     held = loop.sampled(model, T, delay * T)
     regulator = servos.of_gain(held, undelayed.model, _gain_for_delay(undelayed, delay))
     filter, form = _filter(axis, held, T)
     observed = servos.with_estimator(regulator, form)
     compensator = windup.back_calculation(observed, axis.anti_windup)
     feedforward = _feedforward(axis, regulator, T)
-    controller = _with_reference(leapfrog_form.controller(observed, compensator.controller), axis, feedforward)
+    controller = _with_reference(servos.controller(observed, compensator.controller), axis, feedforward)
     controller = _with_predicted_states(controller, undelayed.plant, form, delay)
     return Regulator(axis, time, delay, undelayed, observed, filter, compensator, feedforward, controller)
 

@@ -44,7 +44,7 @@ from synth.errors import SignalError
 from synth.fault import LATCH_BIT
 from synth.plant import Plant, velocities
 from synth.simulate import conditions, sampling
-from synth.simulate.faults import fault_effects, injections
+from synth.simulate.faults import injections
 from synth.simulate.faults.injections import Injection
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
@@ -261,7 +261,7 @@ def inject(
 
     `rig` has plant number `plant`; it may have run the samples before the onset.
     """
-    fields = fault_effects.scenario_fields(rig, rig.stage.faults, injection, healthy, onset)
+    fields = injections.scenario_fields(rig, rig.stage.faults, injection, healthy, onset)
     faulty = rig.run(condition.duration_s, condition.start, condition.references, **fields)
     new_bits = faulty.faults & ~healthy.faults
     notice, latch = _first(_all_bits(faulty) & ~_all_bits(healthy)), _first(new_bits >> LATCH_BIT & 1)

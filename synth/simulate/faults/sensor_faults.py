@@ -6,7 +6,7 @@
     latch delay                from the contradiction to the latch, without the samples of braking
 
 A contradiction is the first sample in which a law can know of the fault. Both delays are 0 without one: such a failure
-is not detected, and its share is reported. `fault_effects` states the faults, as in a campaign.
+is not detected, and its share is reported. `injections` states the faults, as in a campaign.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +26,7 @@ from synth.fault import BRAKING_BIT, LATCH_BIT
 from synth.plant import velocities
 from synth.signals import per_second
 from synth.simulate import conditions
-from synth.simulate.faults import campaign, fault_effects, injections
+from synth.simulate.faults import campaign, injections
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
 
@@ -120,10 +120,10 @@ def responses(declared: SensorFaults, rig: Rig) -> list[Response]:
     after the last, and as `Rig.run`.
     """
     known = [s.name for s in rig.stage.interface.sensors]
-    if declared.kind not in fault_effects.SENSOR_KINDS or not set(declared.sensors) <= {*known}:
+    if declared.kind not in injections.SENSOR_KINDS or not set(declared.sensors) <= {*known}:
         raise SignalError(
             f"{declared.name}: a fault '{declared.kind}' of {', '.join(declared.sensors)}: choose one of "
-            f"{', '.join(fault_effects.SENSOR_KINDS)}, of {', '.join(known)}"
+            f"{', '.join(injections.SENSOR_KINDS)}, of {', '.join(known)}"
         )
     rates = velocities(rig.stage.plant) | dict(rig.stage.velocities)
     return [response for motion in declared.motions for response in _in_motion(declared, rig, motion, rates)]
@@ -144,7 +144,7 @@ def _in_motion(
     healthy = rig.run(duration, start, profiles)
     for sensor in declared.sensors:
         fault = injections.Injection(injections.SENSOR, sensor, declared.kind, injections.PERMANENT)
-        fields = fault_effects.scenario_fields(rig, rig.stage.faults, fault, healthy, onset)
+        fields = injections.scenario_fields(rig, rig.stage.faults, fault, healthy, onset)
         run = rig.run(duration, start, profiles, **fields)
         deviations = {q: np.abs(run[q] - course) for q, course in courses.items()}
         speeds = {q: abs(float(run[rates[q]][-1])) for q in courses if q in rates}

@@ -24,7 +24,7 @@ from synth.analyse.numerics import precise
 from synth.analyse.structure import staircase, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
-from synth.synthesise.riccati import exact_lyapunov
+from synth.synthesise.riccati import exact
 from synth.timing import Continuous, Discrete, Time
 
 CONJUGATE_TOLERANCE = 1e-9  # of a pole's size: conjugates may differ by this
@@ -93,7 +93,7 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
         best = min(best, other, key=lambda p: p.error)
     if best.error > MAX_ERROR * size:
         raise ModelError(_inaccuracy_message(best))
-    if not (decays := exact_lyapunov.decays(best.poles, model.time)).all():
+    if not (decays := exact.decays(best.poles, model.time)).all():
         raise ModelError(_decay_message(best, best.poles[~decays]))
     return best
 
@@ -118,7 +118,7 @@ def _check_poles(poles: Sequence[complex] | ArrayLike, count: int, fixed: Comple
             f"the number of poles for {', '.join(model.states)} is {len(array)}: give {count}{without}, each with its "
             "conjugate"
         )
-    if not (decaying := exact_lyapunov.decays(array, model.time)).all():
+    if not (decaying := exact.decays(array, model.time)).all():
         bound = "a negative real part" if isinstance(model.time, Continuous) else "|z| < 1"
         raise ModelError(f"the pole {show.number(array[~decaying][0])} does not decay: ask for poles with {bound}")
     return _paired(array)
@@ -277,13 +277,13 @@ def _flatness(v: Complex) -> float:
 
 def closed_loop_matrix(model: StateSpace, K: Array) -> flint.arb_mat:
     """Return A + B K without rounding, in the precision in force."""
-    return exact_lyapunov.ball(model.A) + exact_lyapunov.ball(model.B) * exact_lyapunov.ball(K)
+    return exact.ball(model.A) + exact.ball(model.B) * exact.ball(K)
 
 
 def _placement(model: StateSpace, K: Array, requested: Complex, fixed: Complex) -> Placement:
     with precise.precision():
         loop = closed_loop_matrix(model, K)
-        poles, F = exact_lyapunov.eigenvalues(loop), precise.rounded(loop)
+        poles, F = exact.eigenvalues(loop), precise.rounded(loop)
     distance = np.abs(poles[:, None] - np.concatenate([requested, fixed]))
     error = float(distance[linear_sum_assignment(distance)].max(initial=0.0))
     part = staircase.scaled(model.A, model.B)

@@ -42,7 +42,7 @@ from synth.analyse.numerics import precise
 from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise.riccati import exact_lyapunov, riccati, solvability, weights
+from synth.synthesise.riccati import exact, riccati, solvability, weights
 from synth.timing import Continuous, Discrete, Time, common, period
 
 NoiseInput = ArrayLike | Sequence[str] | None
@@ -151,7 +151,7 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
     """
     A = arguments.matrix("A", A)
     A, W = arguments.matrix_of_shape("A", A, len(A), len(A)), arguments.matrix_of_shape("W", W, len(A), len(A))
-    if (pole := exact_lyapunov.unstable_pole(A, time)) is not None:
+    if (pole := exact.unstable_pole(A, time)) is not None:
         raise ModelError(
             f"the pole {show.number(pole)} does not decay, and the covariance is unbounded: stabilise it or take "
             "it out of the model"
@@ -159,7 +159,7 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
     if not len(A):
         return readonly(W)
     F, balls, continuous = precise.matrix(A.T), precise.matrix(W), isinstance(time, Continuous)
-    X = precise.round_correctly(lambda: exact_lyapunov.solution(F, balls, continuous), "the stationary covariance")
+    X = precise.round_correctly(lambda: exact.solution(F, balls, continuous), "the stationary covariance")
     return readonly((X + X.T) / 2)
 
 

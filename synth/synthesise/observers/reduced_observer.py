@@ -62,8 +62,8 @@ from synth.analyse.numerics import magnitude, precise
 from synth.analyse.structure import staircase, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
-from synth.synthesise.riccati import exact_lyapunov
-from synth.synthesise.riccati.exact_lyapunov import ball
+from synth.synthesise.riccati import exact
+from synth.synthesise.riccati.exact import ball
 from synth.timing import Continuous, common
 
 # Of the largest coefficient of a dependence between outputs: an output with a smaller one is not named.
@@ -265,15 +265,15 @@ def _observer(part: Partition, gain: Array) -> ReducedObserver:
     blocks = (part.A11, part.A12, part.A21, part.A22, part.B1, part.B2, gain)
     with precise.precision():
         A11, A12, A21, A22, B1, B2, L = (ball(block) for block in blocks)
-        exact = A22 - L * A12
-        F, G, H = (readonly(precise.rounded(m)) for m in (exact, exact * L + A21 - L * A11, B2 - L * B1))
-        poles, inverse = exact_lyapunov.eigenvalues(ball(F)), ball(part.inverse)
-        lasting = exact_lyapunov.exact_unstable_pole(ball(F), part.model.time)
+        F_balls = A22 - L * A12
+        F, G, H = (readonly(precise.rounded(m)) for m in (F_balls, F_balls * L + A21 - L * A11, B2 - L * B1))
+        poles, inverse = exact.eigenvalues(ball(F)), ball(part.inverse)
+        lasting = exact.exact_unstable_pole(ball(F), part.model.time)
         columns = inverse * ball(np.vstack([np.eye(len(part.measured)), gain]))
         from_x1, from_x3 = readonly(precise.rounded(columns)), readonly(part.inverse[:, len(part.measured) :])
     if lasting is not None:
         bound = "Re s < 0" if isinstance(part.model.time, Continuous) else "|z| < 1"
-        slow = poles[~exact_lyapunov.decays(poles, part.model.time)]
+        slow = poles[~exact.decays(poles, part.model.time)]
         listed = ", ".join(show.number(p, 9) for p in (slow if slow.size else [lasting]))
         raise ModelError(
             f"the observer of {', '.join(part.estimated)} with this gain has the poles {listed}: its error does not "
@@ -350,8 +350,8 @@ def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None
         )
     with precise.precision():
         regulated = ball(plant.A) + ball(plant.B) * ball(gain)
-        regulator = exact_lyapunov.eigenvalues(regulated)
-    decaying = exact_lyapunov.decays(regulator, plant.time)
+        regulator = exact.eigenvalues(regulated)
+    decaying = exact.decays(regulator, plant.time)
     if not decaying.all():
         raise ModelError(
             f"u = K x leaves the poles {', '.join(show.number(p, 9) for p in regulator[~decaying])}, which do not "
@@ -360,7 +360,7 @@ def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None
     model = _model(observer, computed_model, gain)
     loop = _loop(observer.partition, model)
     with precise.precision():
-        poles = exact_lyapunov.eigenvalues(ball(loop.A))
+        poles = exact.eigenvalues(ball(loop.A))
     separation = _separation(observer, loop.A, precise.rounded(regulated))
     return Compensator(observer, computed_model, readonly(gain), model, loop, regulator, poles, separation)
 

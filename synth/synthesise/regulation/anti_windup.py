@@ -25,7 +25,7 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, readonly
 from synth.synthesise.regulation import internal_model, regulator_equations
 from synth.synthesise.regulation.servo import Servo
-from synth.synthesise.riccati import exact_lyapunov, weights
+from synth.synthesise.riccati import exact, weights
 from synth.timing import Continuous
 
 DEADBEAT_DECAY = 40.0  # a T: exp(-40) is below the rounding error of a pole
@@ -87,9 +87,9 @@ def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
         weighted = V_balls.solve(C).transpose()
         if isinstance(model.time, Continuous):
             F = Phi + precise.identity(p * k) * half
-            return exact_lyapunov.solution(-F, weighted * C, continuous=True).solve(weighted)
+            return exact.solution(-F, weighted * C, continuous=True).solve(weighted)
         inverse = (Phi * (half * flint.arb(model.time.period_s)).exp()).inv()
-        Z = exact_lyapunov.solution(inverse, inverse.transpose() * weighted * C * inverse, continuous=False)
+        Z = exact.solution(inverse, inverse.transpose() * weighted * C * inverse, continuous=False)
         X = Z.solve(C.transpose())
         return (V_balls + C * X).solve((Phi * X).transpose()).transpose()
 
@@ -136,11 +136,11 @@ def _with_excess_inputs(model: StateSpace, gain: Array, mend: str) -> AntiWindup
         inputs=(*model.inputs, *excess),
         units={**model.units, **units},
     )
-    ball = exact_lyapunov.ball
+    ball = exact.ball
     with precise.precision():
         held_A = ball(model.A) - ball(gain) * ball(model.C)
-        values = exact_lyapunov.eigenvalues(held_A)
-        pole = exact_lyapunov.exact_unstable_pole(held_A, model.time)
+        values = exact.eigenvalues(held_A)
+        pole = exact.exact_unstable_pole(held_A, model.time)
     if pole is not None:
         raise ModelError(
             f"while its commands are held the controller has the eigenvalue {show.number(pole)}, which does not "

@@ -30,7 +30,7 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.regulation import internal_model
 from synth.synthesise.regulation.regulator_equations import Mode
-from synth.synthesise.riccati import exact_lyapunov
+from synth.synthesise.riccati import exact
 from synth.timing import Continuous, Time, common
 
 ERROR_ROUNDING = 1e-8  # of the signals that make up the error: modes rounded by 1e-16 at a distance of 1e-8 from poles
@@ -79,25 +79,25 @@ class SteadyError:
 def evaluate(system: System, errors: Sequence[str] | str, exosystem: internal_model.Exosystem) -> SteadyError:
     """Return the steady-state errors of a closed loop, from all its inputs to the outputs `errors`, for an exosystem.
 
-    A pole that decays by no more than rounding error counts as unstable (`exact_lyapunov.unstable_pole`).
+    A pole that decays by no more than rounding error counts as unstable (`exact.unstable_pole`).
 
     Raises SignalError for an error that is no output, or as `internal_model.of`; ModelError for a pole at a mode.
     """
     model, names = of(system), arguments.as_name_list("errors", errors)
     loop, modes = model.select(names, model.inputs), internal_model.of(exosystem).modes
     poles, shape = loop.poles, (len(modes), *loop.D.shape)
-    if (pole := exact_lyapunov.unstable_pole(loop.A, loop.time)) is not None:
+    if (pole := exact.unstable_pole(loop.A, loop.time)) is not None:
         infinite = readonly(np.full(shape, np.inf))
         return SteadyError(modes, names, loop.inputs, infinite, infinite, poles, pole, loop.time)
-    exact = [_taylor(loop, mode) for mode in modes]
+    series = [_taylor(loop, mode) for mode in modes]
     frequencies = [*_frequencies(poles, loop.time), *(_point(m.value, loop.time) for m in modes)]
     size = np.max([_signal_size(loop, complex(v)) for v in frequencies], axis=0)
     size = np.where(size > 0, size, 1.0)
     relative_error = [
         np.max([c * _distance(loop, mode) ** j for j, c in enumerate(T)], axis=0) / size
-        for mode, T in zip(modes, exact, strict=True)
+        for mode, T in zip(modes, series, strict=True)
     ]
-    response = readonly([T[0] for T in exact])
+    response = readonly([T[0] for T in series])
     return SteadyError(modes, names, loop.inputs, response, readonly(relative_error), poles, None, loop.time)
 
 
@@ -159,8 +159,8 @@ def _taylor(loop: StateSpace, mode: Mode) -> list[Array]:
     """Return |T_j| (p, q) at a mode for j below its multiplicity."""
     coefficients = []
     with precise.precision():
-        A, X, C, D = (flint.acb_mat(exact_lyapunov.ball(M)) for M in (loop.A, loop.B, loop.C, loop.D))
-        pencil = flint.acb_mat(exact_lyapunov.ball(np.eye(len(loop.A)))) * _point(mode.value, loop.time) - A
+        A, X, C, D = (flint.acb_mat(exact.ball(M)) for M in (loop.A, loop.B, loop.C, loop.D))
+        pencil = flint.acb_mat(exact.ball(np.eye(len(loop.A)))) * _point(mode.value, loop.time) - A
         for _ in range(mode.multiplicity):
             try:
                 X = pencil.solve(X)

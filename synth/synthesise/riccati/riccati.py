@@ -12,7 +12,7 @@ for A (n, n), B (n, m), Q (n, n), R (m, m), N (n, m); R > 0 in continuous time, 
 shows that x0'X x0 is the least cost of bringing x0 to rest (Willems 1971). It is the least cost of all inputs where the
 cost is positive semidefinite and each mode that does not decay is observable in it.
 
-Ball arithmetic (module `exact_riccati`) rounds each entry of X and L correctly, so the result is the same on every
+Ball arithmetic (module `exact`) rounds each entry of X and L correctly, so the result is the same on every
 machine.
 """
 
@@ -23,7 +23,7 @@ from synth import arguments, show
 from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
-from synth.synthesise.riccati import exact_riccati, solvability, weights
+from synth.synthesise.riccati import exact, solvability, weights
 from synth.synthesise.riccati.equation import Balance, Certificate, Equation, Solution
 from synth.timing import Continuous, Time
 
@@ -167,7 +167,7 @@ def certify(
     stated = _equation(model, *weight_matrices(model, Q, R, N))
     X = weights.symmetric("X", X, model.states)
     balance = Balance.of(stated)
-    solution = exact_riccati.certify(stated, X)
+    solution = exact.certify(stated, X)
     return _with_certificate(
         model, stated, solution, balance.certify(solution), balance, np.zeros(0, dtype=np.complex128)
     )
@@ -199,7 +199,7 @@ def _equation(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
 def _stabilising_solution(model: StateSpace, stated: Equation, scaled: Equation) -> Solution:
     """Return the solution, or raise the ModelError that names the cause where there is none."""
     try:
-        return exact_riccati.solve(stated)
+        return exact.solve(stated)
     except ModelError as error:
         hidden = solvability.hidden_mode_error(model, stated)
         if hidden is not None:

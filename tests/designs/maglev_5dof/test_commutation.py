@@ -19,7 +19,7 @@ from synth.execute import host
 from synth.simulate.faults import campaign
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Override, Trajectory, sample_times
-from synth.verify import drive, replays
+from synth.verify import replays, standard
 from tests.designs.maglev_5dof.test_fault_campaign import with_defect
 
 ERROR = platen.SURROGATE_ERROR
@@ -59,7 +59,7 @@ def test_a_drive_that_makes_other_forces_than_the_plant_of_the_margins_is_found(
     run = motions.tracking(rig(), True, 4.0)[0]
 
     def differs(of: Rig) -> Check:
-        (check,) = drive.checks(of, [run])
+        (check,) = standard.drive_checks(of, [run])
         return check
 
     assert differs(rig()).value < 3e-3 and differs(rig()).passed
@@ -68,7 +68,7 @@ def test_a_drive_that_makes_other_forces_than_the_plant_of_the_margins_is_found(
     pitch = maglev_stage.plant().with_parameters(tau=1.02 * maglev_stage.plant().parameter("tau").value)
     late = behind(commutation.phase_currents(DESIGN.name, pitch))
     assert not differs(late).passed
-    assert not drive.checks(rig().without_drive, [run])
+    assert not standard.drive_checks(rig().without_drive, [run])
 
 
 def test_the_c_calls_no_sine_and_costs_no_more_than_it_did() -> None:

@@ -10,9 +10,9 @@ import pytest
 from designs.maglev import fault_handling, platen
 from designs.maglev_5dof.design import DESIGN, PLANT
 from synth import plant as plants
+from synth.app import standard_tasks
 from synth.block import Block, Constant
 from synth.blocks.faults import redundancy
-from synth.declare import actuation
 from synth.emit.c import datasheet
 from synth.emit.write import emit
 from synth.errors import SignalError
@@ -77,7 +77,7 @@ def test_the_maglev_stage_says_where_currents_and_angles_end() -> None:
 
 def test_signs_of_the_actuators_come_from_the_plant() -> None:
     assert DESIGN is not None
-    signs = actuation.signs(PLANT, DESIGN.velocities, {"y": 0.025})
+    signs = standard_tasks.actuator_signs(PLANT, DESIGN.velocities, {"y": 0.025})
     assert signs["i_d1"] == "+y -phi" and signs["i_d2"] == "+y +theta" and (signs["u_x"], signs["u_z"]) == ("-x", "-z")
     turned = {name: "".join({"+": "-", "-": "+"}.get(c, c) for c in sign) for name, sign in signs.items()}
     assert np.all([signs[n] != turned[n] for n in signs])
@@ -92,7 +92,7 @@ def test_a_pull_with_the_square_of_a_current_has_a_sign_at_0_A() -> None:
     )  # fmt: skip
     for current in (0.0, 1.0):
         at = {"upper": current, "lower": current}
-        assert actuation.signs(pulls, {"z": "v"}, at) == {"upper": "+z", "lower": "-z"}
+        assert standard_tasks.actuator_signs(pulls, {"z": "v"}, at) == {"upper": "+z", "lower": "-z"}
 
 
 @pytest.mark.parametrize("name", NAMES)

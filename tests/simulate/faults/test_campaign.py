@@ -14,7 +14,7 @@ from synth.blocks.guard import safety
 from synth.declare.experiments import Sine
 from synth.declare.fault_campaign import FaultCampaign, FaultLimit
 from synth.errors import SignalError
-from synth.simulate.faults import campaign, fault_effects, fault_table, injections
+from synth.simulate.faults import campaign, fault_table, injections
 from synth.simulate.faults.campaign import FaultRun, HealthyRun, Sweep
 from synth.simulate.faults.fault_table import Campaign
 from synth.simulate.faults.injections import Injection
@@ -303,7 +303,7 @@ def test_a_flipped_bit_moves_the_reading_by_its_weight_and_a_stuck_bit_repeats_c
     healthy = rig.run(0.1, {}, {"z_ref": 0.0})
     for kind in ("bit flipped", "bit stuck"):
         fault = Injection("sensor", "z", kind, "permanent")
-        fields = fault_effects.scenario_fields(rig, rig.stage.faults, fault, healthy, 100)
+        fields = injections.scenario_fields(rig, rig.stage.faults, fault, healthy, 100)
         faulty = rig.run(0.1, {}, {"z_ref": 0.0}, **fields)
         low, true = rig.stage.interface.signals["z"].low, np.rint(faulty.outputs["z"] / 1e-7)
         base = round(low / 1e-7)
@@ -319,7 +319,7 @@ def test_a_run_that_goes_on_from_its_onset_is_the_whole_run_to_the_bit(rig: Rig)
     kinds = {(f.group, f.kind): f for f in injections.derive(rig.stage)}
     for fault in kinds.values():
         for onset, after in begun.items():
-            fields = fault_effects.scenario_fields(rig, rig.stage.faults, fault, healthy, onset)
+            fields = injections.scenario_fields(rig, rig.stage.faults, fault, healthy, onset)
             assert after.run(*course, **fields) == Same(rig.run(*course, **fields)), fault
 
 
@@ -334,7 +334,7 @@ def test_a_prefix_of_another_course_is_seen(rig: Rig) -> None:
 
 def test_an_intermittent_sensor_reads_one_good_sample_after_each_row_that_does_not_latch(rig: Rig) -> None:
     fault, healthy = Injection("sensor", "x", "intermittent", "permanent"), rig.run(0.1, {}, {"z_ref": 0.0})
-    fields = fault_effects.scenario_fields(rig, rig.stage.faults, fault, healthy, 20)
+    fields = injections.scenario_fields(rig, rig.stage.faults, fault, healthy, 20)
     bad = np.isnan(rig.run(0.1, {}, {"z_ref": 0.0}, **fields).measured["x"])
     row = rig.stage.interface.bad_samples
     assert not bad[:20].any() and bad[20 : 20 + row].tolist() == [True] * (row - 1) + [False]
@@ -363,7 +363,7 @@ def test_calls_that_miss_every_second_sample_disturb_less_than_none_at_all(rig: 
 
 def test_a_planted_fault_that_is_not_injected_is_not_counted(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
     """A limit on faults without any effect fails: nothing was tested."""
-    monkeypatch.setattr(fault_effects, "scenario_fields", lambda *_: {})
+    monkeypatch.setattr(injections, "scenario_fields", lambda *_: {})
     at_rest = campaign.motion_and_standstill(rig)[0]
     lost = Injection("sensor", "z", "not finite", "permanent")
     healthy, runs = campaign.run(rig, 0, at_rest, silent, [lost])

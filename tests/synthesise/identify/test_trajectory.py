@@ -7,7 +7,7 @@ import scipy.integrate
 
 from synth.plant import Plant, build
 from synth.signals import Parameter, Signal
-from synth.synthesise.identify import least_squares, trajectory
+from synth.synthesise.identify import identify, least_squares
 from synth.synthesise.identify.logs import Log
 from tests import tolerances
 
@@ -43,7 +43,7 @@ def log(rows: int = 60, period_s: float = 0.02) -> Log:
 
 def test_a_trajectory_is_that_of_an_adaptive_integrator() -> None:
     plant, logged = pendulum(), log()
-    problem = trajectory.problem(plant, logged, ("w",), ("s", "v"), None, {"x": 0.5, "v": -1.0}, (), 8)
+    problem = identify.problem(plant, logged, ("w",), ("s", "v"), None, {"x": 0.5, "v": -1.0}, (), 8)
     state, outputs = np.array([0.5, -1.0]), []
     for u in logged.samples["u"]:
         outputs.append([state[0] + 0.1 * state[1], state[1]])
@@ -56,7 +56,7 @@ def test_a_trajectory_is_that_of_an_adaptive_integrator() -> None:
 
 @pytest.mark.parametrize(("span", "free"), [(None, ()), (None, ("v", "x")), (1, ()), (7, ())])
 def test_derivatives_are_those_of_differences(span: int | None, free: tuple[str, ...]) -> None:
-    problem = trajectory.problem(pendulum(), log(), ("c", "w"), ("s", "x"), span, {}, free, 2)
+    problem = identify.problem(pendulum(), log(), ("c", "w"), ("s", "x"), span, {}, free, 2)
     theta = np.concatenate([[0.3, 2.5], problem.starts.ravel()])
     g, J = problem.simulate(theta)
     J = dense(J) if isinstance(J, least_squares.Jacobian) else J
@@ -78,12 +78,12 @@ def dense(J: least_squares.Jacobian) -> np.ndarray:
 
 def test_spans_start_from_states_of_their_own() -> None:
     logged = log()
-    problem = trajectory.problem(pendulum(), logged, ("w",), ("x",), 7, {}, (), 2)
+    problem = identify.problem(pendulum(), logged, ("w",), ("x",), 7, {}, (), 2)
     assert len(problem.y) == 8 * 7 and problem.starts.shape == (8, 2), "60 rows in 8 equal spans, none of them shared"
     np.testing.assert_array_equal(problem.y[:, 0], logged.samples["x"][:56])
     np.testing.assert_array_equal(problem.starts[:, 1], logged.samples["v"][:56:7])
     alone = Log({name: v[14:21] for name, v in logged.samples.items()}, 0.02)
-    single = trajectory.problem(pendulum(), alone, ("w",), ("x",), None, {}, (), 2)
+    single = identify.problem(pendulum(), alone, ("w",), ("x",), None, {}, (), 2)
     np.testing.assert_allclose(
         problem.simulate(np.concatenate([[2.0], problem.starts.ravel()]))[0][14:21],
         single.simulate(np.concatenate([[2.0], single.starts.ravel()]))[0],

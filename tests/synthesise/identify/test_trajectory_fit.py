@@ -7,7 +7,7 @@ import scipy.optimize
 
 from synth.errors import ModelError
 from synth.plant import Plant
-from synth.synthesise.identify import identify, trajectory
+from synth.synthesise.identify import identify
 from synth.synthesise.identify.logs import Log
 from tests.synthesise.mass_spring import run, stage
 
@@ -114,15 +114,15 @@ def test_the_integration_error_is_made_smaller_than_the_noise(monkeypatch: pytes
     start, truth = {"x": 0.0, "v": 0.0}, [3.0, 4000.0]
     fit = identify.fit_trajectory(plant, log, ("d", "k"), ("s",), initial=start)
     assert (np.abs(fit.estimate.values - truth) < 3.5 * fit.estimate.errors).all()
-    assert fit.substeps > 8 and fit.shift < trajectory.MAX_PARAMETER_SHIFT
+    assert fit.substeps > 8 and fit.shift < identify.MAX_PARAMETER_SHIFT
     assert f"{fit.substeps} Runge-Kutta steps a period; half as many change a parameter by at most" in str(fit)
     with (
         monkeypatch.context() as planted,
         pytest.raises(ModelError, match=r"8 Runge-Kutta .* instead of 4 '[dk]' still"),
     ):
-        planted.setattr(trajectory, "DOUBLINGS", 1)
+        planted.setattr(identify, "DOUBLINGS", 1)
         identify.fit_trajectory(plant, log, ("d", "k"), ("s",), initial=start)
-    monkeypatch.setattr(trajectory, "MAX_PARAMETER_SHIFT", np.inf)
+    monkeypatch.setattr(identify, "MAX_PARAMETER_SHIFT", np.inf)
     wrong = identify.fit_trajectory(plant, log, ("d", "k"), ("s",), initial=start, substeps=2).estimate
     assert (np.abs(wrong.values - truth) > 5 * wrong.errors).any(), "planted: twice the steps count unchecked"
 

@@ -15,7 +15,7 @@ from synth.signals import Signal
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, lqg, square_root_kalman
-from synth.synthesise.regulation import optimal_servo, servo
+from synth.synthesise.regulation import servo
 from synth.timing import Continuous
 from tests import tolerances
 
@@ -144,7 +144,7 @@ def test_a_servo_regulator_starts_with_its_estimates() -> None:
     """The command of the first sample is K_x x^[0], with the internal model at 0."""
     axis = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("gap", "speed"), ("force",), ("gap",),
                       Continuous(), UNITS)  # fmt: skip
-    regulator = optimal_servo.lqrd(axis, (0.0,), [1e4, 1e2, 1e3], [1.0], T)
+    regulator = servo.lqrd(axis, (0.0,), [1e4, 1e2, 1e3], [1.0], T)
     filtered = kalman.kalmd(axis, np.diag([0, 1.0]), [1e-10], T)
     for form in (filtered.current(), filtered.predictor()):
         controller = servo.with_estimator(regulator, form).controller

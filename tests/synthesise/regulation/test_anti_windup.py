@@ -9,7 +9,7 @@ import scipy.linalg
 
 from synth.analyse.numerics import precise
 from synth.statespace import StateSpace
-from synth.synthesise.regulation import anti_windup, internal_model, optimal_servo, servo
+from synth.synthesise.regulation import anti_windup, internal_model, servo
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 from tests.synthesise.observers.models import full_order_observer
@@ -28,8 +28,8 @@ def two_axes(period: float | None = None, exosystem: internal_model.Exosystem = 
                        ("y", "z"), Continuous())  # fmt: skip
     weights = (np.eye(4 + 2 * len(internal_model.of(exosystem).Phi)), np.eye(3))
     if period is None:
-        return optimal_servo.lqr(plant, exosystem, *weights)
-    return optimal_servo.lqrd(plant, exosystem, *weights, period)
+        return servo.lqr(plant, exosystem, *weights)
+    return servo.lqrd(plant, exosystem, *weights, period)
 
 
 @pytest.mark.parametrize("rate", [0.5, 20.0])
@@ -50,7 +50,7 @@ def test_every_mode_keeps_its_frequency_and_decays_at_the_rate(rate: float, peri
 def test_multiple_and_many_modes_decay_too(frequencies: object, period: float | None) -> None:
     order = 2 + sum(frequencies.values()) + (2 if 2.0 in frequencies else 0) if isinstance(frequencies, dict) else 9
     args = (DOUBLE, frequencies, np.eye(order), [1.0])
-    regulator = optimal_servo.lqr(*args) if period is None else optimal_servo.lqrd(*args, period)
+    regulator = servo.lqr(*args) if period is None else servo.lqrd(*args, period)
     values = anti_windup.back_calculation(regulator, 2.0).eigenvalues
     rates = values.real if period is None else np.log(np.abs(values)) / T
     np.testing.assert_allclose(rates, -2, rtol=1e-2)  # four eigenvalues that meet scatter by the root of the precision
@@ -60,7 +60,7 @@ def test_multiple_and_many_modes_decay_too(frequencies: object, period: float | 
 def test_a_fast_decay_has_the_eigenvalues_of_its_rounded_gain(rate: float, period: float | None) -> None:
     """A - E C has entries that cancel: rounding it moves the eigenvalues by more than their size."""
     args = (DOUBLE, [0.0, 10.0], np.eye(5), [1.0])
-    regulator = optimal_servo.lqr(*args) if period is None else optimal_servo.lqrd(*args, period)
+    regulator = servo.lqr(*args) if period is None else servo.lqrd(*args, period)
     design = anti_windup.back_calculation(regulator, rate)
     with mpmath.workdps(80):
         A, E, C = (mpmath.matrix(M.tolist()) for M in (regulator.controller.A, design.E, regulator.controller.C))
@@ -85,7 +85,7 @@ def test_a_constant_has_the_closed_form() -> None:
 
 
 def test_an_observer_goes_on_with_what_the_actuators_do() -> None:
-    regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
+    regulator = servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
     seen = servo.with_estimator(regulator, full_order_observer(regulator.plant, [[0.9], [20.0]]))
     design = anti_windup.back_calculation(seen, 5.0)
     assert design.E[1:].tolist() == [[0.0], [0.0]]
@@ -122,7 +122,7 @@ def run(
 @pytest.mark.parametrize("with_observer", [False, True])
 def test_a_saturated_step_overshoots_less(with_observer: bool) -> None:
     """0.1 m under 1.5 m/s^2: without anti-windup the internal model winds up and the mass swings on."""
-    regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), X_AXIS, [1.0], 1e-3)
+    regulator = servo.lqrd(DOUBLE, (0.0, OMEGA0), X_AXIS, [1.0], 1e-3)
     if with_observer:
         regulator = servo.with_estimator(regulator, full_order_observer(regulator.plant, [[0.5], [60.0]]))
     aims = np.full((3000, 1), 0.1)
@@ -141,7 +141,7 @@ def test_a_saturated_step_overshoots_less(with_observer: bool) -> None:
 
 
 def test_the_result_prints() -> None:
-    regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
+    regulator = servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
     design = anti_windup.back_calculation(regulator, 5.0)
     assert "With all actuators at their limits the controller has the eigenvalues 0.95123" in repr(design)
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from synth.errors import SignalError
 from synth.statespace import StateSpace
-from synth.synthesise.regulation import internal_model, optimal_servo, servo
+from synth.synthesise.regulation import internal_model, servo
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -48,30 +48,28 @@ def test_no_other_gain_has_a_lower_continuous_cost(seed: int) -> None:
     rng = np.random.default_rng(seed)
     c, T = plant(rng), 0.1
     Q, R = np.diag(rng.uniform(0.5, 2, 9)), np.diag([1.0, 2.0])
-    regulator = optimal_servo.lqrd(c, (0.0, 2.0), Q, R, T)
+    regulator = servo.lqrd(c, (0.0, 2.0), Q, R, T)
     start = rng.normal(size=9)
     best = running_cost(regulator, c, Q, R, T, start)
     for _ in range(3):
         other = replace(regulator, K=regulator.K * (1 + 0.02 * rng.normal(size=regulator.K.shape)))
         assert running_cost(other, c, Q, R, T, start) > best * (1 - tolerances.of("double"))
-    continuous = optimal_servo.lqr(c, (0.0, 2.0), Q, R)
+    continuous = servo.lqr(c, (0.0, 2.0), Q, R)
     assert running_cost(replace(regulator, K=continuous.K), c, Q, R, T, start) > best * (1 + 1e-6)
 
 
 def test_the_sampled_gain_goes_to_the_continuous_one() -> None:
     """To the first order of the period: a tenth of it leaves a tenth of the difference."""
     c = plant(np.random.default_rng(1))
-    whole = optimal_servo.lqr(c, (0.0, 2.0), np.eye(9), np.eye(2)).K
-    far, near = (
-        np.abs(optimal_servo.lqrd(c, (0.0, 2.0), np.eye(9), np.eye(2), T).K - whole).max() for T in (1e-2, 1e-3)
-    )
+    whole = servo.lqr(c, (0.0, 2.0), np.eye(9), np.eye(2)).K
+    far, near = (np.abs(servo.lqrd(c, (0.0, 2.0), np.eye(9), np.eye(2), T).K - whole).max() for T in (1e-2, 1e-3))
     assert far / near == pytest.approx(10, rel=0.05)
 
 
 def test_the_sum_is_minimised_for_a_sampled_plant() -> None:
     """An integrator: the gain of SciPy's Riccati equation for the augmented plant."""
     sampled = StateSpace([[1.0]], [[0.1]], [[1.0]], [[0.0]], ("x",), ("u",), ("x",), Discrete(0.1))
-    regulator = optimal_servo.lqr(sampled, (0.0,), np.eye(2), [1.0])
+    regulator = servo.lqr(sampled, (0.0,), np.eye(2), [1.0])
     A, B = np.array([[1.0, 0.0], [0.1, 1.0]]), np.array([[0.1], [0.0]])
     X = scipy.linalg.solve_discrete_are(A, B, np.eye(2), np.eye(1))
     K = -np.linalg.solve(np.eye(1) + B.T @ X @ B, B.T @ X @ A)
@@ -83,8 +81,8 @@ def test_weights_are_given_by_name() -> None:
     names = {"y": "gap", "z": "tilt"}
     c = c.renamed(names)
     Q = {"a": 1.0, "b": 1.0, "c": 1.0, "xi1_gap": 2.0, "xi1_tilt": 3.0}
-    regulator = optimal_servo.lqrd(c, (0.0,), Q, {"f": 1.0, "g": 1.0}, 0.1)
-    listed = optimal_servo.lqrd(c, (0.0,), np.diag([1, 1, 1, 2.0, 3.0]), np.eye(2), 0.1)
+    regulator = servo.lqrd(c, (0.0,), Q, {"f": 1.0, "g": 1.0}, 0.1)
+    listed = servo.lqrd(c, (0.0,), np.diag([1, 1, 1, 2.0, 3.0]), np.eye(2), 0.1)
     np.testing.assert_array_equal(regulator.K, listed.K)
     with pytest.raises(SignalError, match="names 'xi2_gap', which is not one of a, b, c, xi1_gap, xi1_tilt"):
-        optimal_servo.lqrd(c, (0.0,), {"xi2_gap": 1.0}, [1.0, 1.0], 0.1)
+        servo.lqrd(c, (0.0,), {"xi2_gap": 1.0}, [1.0, 1.0], 0.1)

@@ -15,7 +15,7 @@ from synth.analyse import discretise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.observers import kalman
-from synth.synthesise.regulation import anti_windup, internal_model, optimal_servo, servo
+from synth.synthesise.regulation import anti_windup, internal_model, servo
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 from tests.synthesise.observers.models import full_order_observer
@@ -46,8 +46,8 @@ def random_servo(seed: int, exosystem: internal_model.Exosystem, period: float |
     order = len(plant.A) + len(plant.outputs) * len(internal_model.of(exosystem).Phi)
     weights = (np.eye(order), np.eye(len(controls)))
     if period is None:
-        return optimal_servo.lqr(plant, exosystem, *weights, controls=controls)
-    return optimal_servo.lqrd(plant, exosystem, *weights, period, controls=controls)
+        return servo.lqr(plant, exosystem, *weights, controls=controls)
+    return servo.lqrd(plant, exosystem, *weights, period, controls=controls)
 
 
 EXOSYSTEMS = [(0.0,), {0.0: 2}, (0.0, 2.0), {1.0: 2}, np.array([[0.0, 3.0], [-3.0, 0.0]])]
@@ -89,9 +89,9 @@ def test_units_do_not_matter(period: float | None) -> None:
     gains = []
     for model, weights in ((plant, (np.eye(n + 3 * p), np.eye(m - 1))), (scaled, (Q, R))):
         if period is None:
-            gains.append(optimal_servo.lqr(model, (0.0, 2.0), *weights, controls=controls))
+            gains.append(servo.lqr(model, (0.0, 2.0), *weights, controls=controls))
         else:
-            gains.append(optimal_servo.lqrd(model, (0.0, 2.0), *weights, period, controls=controls))
+            gains.append(servo.lqrd(model, (0.0, 2.0), *weights, period, controls=controls))
     np.testing.assert_allclose(gains[1].poles, gains[0].poles, rtol=tolerances.of("peak"))
     assert gains[1].steady.vanishes
     ours, theirs = (np.poly(anti_windup.back_calculation(f, 1.0).eigenvalues) for f in gains)
@@ -100,7 +100,7 @@ def test_units_do_not_matter(period: float | None) -> None:
 
 def test_one_output_is_the_augmented_plant_and_the_published_gain() -> None:
     whole = internal_model.augmented(DOUBLE, (0.0, OMEGA0))
-    regulator = optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0])
+    regulator = servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0])
     assert regulator.states == whole.states
     for value, printed in zip(regulator.K[0], (-525.33, -50.504, -21213, -1253.6, -2742.2), strict=True):
         last = 1.0 if printed == -21213 else 10.0 ** -(len(str(printed).split(".")[1]))
@@ -149,7 +149,7 @@ def test_gains_of_other_origin_are_taken_and_certified() -> None:
 
 def test_a_simulated_loop_settles_and_python_control_agrees() -> None:
     """A sine and a step disturbance in continuous time, by python-control's simulation of the closed loop."""
-    regulator = optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0])
+    regulator = servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0])
     times = np.linspace(0, 20, 4001)
     signals = np.vstack([0.01 * np.sin(OMEGA0 * times + 0.3), np.full_like(times, 2.0)])
     answer = control.forced_response(regulator.closed_loop().to_control(), times, signals)
@@ -178,7 +178,7 @@ def sampled_run(regulator: servo.Servo, frequency: float, count: int, inside: in
 
 
 def test_between_the_samples_a_sine_leaves_a_ripple_and_a_constant_none() -> None:
-    regulator = optimal_servo.lqrd(DOUBLE, (0.0, 20.0), WEIGHTS, [1.0], T)
+    regulator = servo.lqrd(DOUBLE, (0.0, 20.0), WEIGHTS, [1.0], T)
     at, between = sampled_run(regulator, 20.0, 3000, 5)
     assert np.abs(at[-100:]).max() < tolerances.of("settled")
     ripple = np.abs(between[-100:]).max()
@@ -188,7 +188,7 @@ def test_between_the_samples_a_sine_leaves_a_ripple_and_a_constant_none() -> Non
 
 
 def test_an_observer_adds_its_poles_and_leaves_no_error() -> None:
-    regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
+    regulator = servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
     plant = regulator.plant
     L = scipy.signal.place_poles(plant.A.T, plant.C.T, [0.5, 0.6]).gain_matrix.T
     seen = servo.with_estimator(regulator, full_order_observer(plant, L))
@@ -206,7 +206,7 @@ def test_an_observer_adds_its_poles_and_leaves_no_error() -> None:
 
 def test_an_estimator_with_a_direct_term_from_what_is_measured() -> None:
     """The current form of the observer: its estimate uses the sample of its own instant."""
-    regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
+    regulator = servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
     plant = regulator.plant
     M = np.array([[0.7], [20.0]])
     L = plant.A @ M
@@ -229,7 +229,7 @@ def test_an_estimator_with_a_direct_term_from_what_is_measured() -> None:
 
 
 def test_the_states_of_an_estimator_keep_their_units() -> None:
-    regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
+    regulator = servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
     filtered = kalman.kalmd(DOUBLE, {"force": 1.0}, [1e-6], T, G=["force"])
     current, predictor = (
         servo.with_estimator(regulator, part).controller.units for part in (filtered.current(), filtered.predictor())
@@ -241,7 +241,7 @@ def test_the_states_of_an_estimator_keep_their_units() -> None:
 
 
 def test_other_plants_must_have_the_signals() -> None:
-    regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
+    regulator = servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
     with pytest.raises(SignalError, match="no state 'speed', which the regulator feeds back"):
         regulator.steady_error_with(regulator.plant.renamed({"speed": "v"}))
     with pytest.raises(SignalError, match="'gap' is not one of height"):
@@ -259,7 +259,7 @@ def test_other_plants_must_have_the_signals() -> None:
 
 
 def test_a_servo_prints_gains_units_poles_and_certificate() -> None:
-    text = repr(optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0]))
+    text = repr(servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0]))
     assert "Servo regulator of gap by force in continuous time" in text
     assert "xi1 [m s^3]" in text
     assert "Each error dies out" in text

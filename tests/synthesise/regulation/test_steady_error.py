@@ -8,7 +8,7 @@ import pytest
 
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
-from synth.synthesise.regulation import internal_model, optimal_servo, servo, steady_error
+from synth.synthesise.regulation import internal_model, servo, steady_error
 from synth.synthesise.regulation.steady_error import ERROR_ROUNDING
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -38,8 +38,8 @@ def two_output_servo(exosystem: internal_model.Exosystem = (0.0, 2.0), period: f
     order = 2 * len(internal_model.of(exosystem).Phi)
     Q = np.diag([10.0, 1, 10, 1] + [10.0] * order)
     if period is None:
-        return optimal_servo.lqr(two_by_two(), exosystem, Q, np.eye(2))
-    return optimal_servo.lqrd(two_by_two(), exosystem, Q, np.eye(2), period)
+        return servo.lqr(two_by_two(), exosystem, Q, np.eye(2))
+    return servo.lqrd(two_by_two(), exosystem, Q, np.eye(2), period)
 
 
 def test_the_response_is_the_closed_form() -> None:

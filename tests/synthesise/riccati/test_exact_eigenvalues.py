@@ -5,14 +5,14 @@ import pytest
 
 from synth.analyse.numerics import precise
 from synth.statespace import Complex
-from synth.synthesise.riccati import exact_lyapunov
+from synth.synthesise.riccati import exact
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
 
 def of(F: object) -> Complex:
     with precise.precision():
-        return exact_lyapunov.eigenvalues(exact_lyapunov.ball(np.asarray(F, dtype=float)))
+        return exact.eigenvalues(exact.ball(np.asarray(F, dtype=float)))
 
 
 def test_a_jordan_block_has_its_pole_to_the_last_digit() -> None:
@@ -37,22 +37,22 @@ def test_eigenvalues_agree_with_numpy() -> None:
     ],
 )
 def test_what_decays(poles: list[float], time: Continuous | Discrete, expected: list[bool]) -> None:
-    np.testing.assert_array_equal(exact_lyapunov.decays(np.array(poles, dtype=complex), time), expected)
+    np.testing.assert_array_equal(exact.decays(np.array(poles, dtype=complex), time), expected)
 
 
 @pytest.mark.parametrize("ratio", [1e6, 1e12, 1e18])
 def test_a_slow_mode_beside_a_fast_one_is_compared_with_its_own_size(ratio: float) -> None:
-    assert exact_lyapunov.unstable_pole(np.diag([-1.0, -ratio]), Continuous()) is None
-    assert exact_lyapunov.unstable_pole(np.diag([1.0, -ratio]), Continuous()) == 1
+    assert exact.unstable_pole(np.diag([-1.0, -ratio]), Continuous()) is None
+    assert exact.unstable_pole(np.diag([1.0, -ratio]), Continuous()) == 1
 
 
 def test_what_decays_by_a_rounding_error_alone_lasts() -> None:
     turn = np.array([[-1e-15, 1.0], [-1.0, -1e-15]])
-    assert abs(exact_lyapunov.unstable_pole(turn, Continuous()) or 0) == pytest.approx(1)
-    assert exact_lyapunov.unstable_pole(turn - 1e-9 * np.eye(2), Continuous()) is None
-    assert exact_lyapunov.unstable_pole(np.array([[1 - 1e-15]]), Discrete(1)) is not None
-    assert exact_lyapunov.unstable_pole(np.array([[1 - 1e-9]]), Discrete(1)) is None
-    assert exact_lyapunov.unstable_pole(np.zeros((0, 0)), Continuous()) is None
+    assert abs(exact.unstable_pole(turn, Continuous()) or 0) == pytest.approx(1)
+    assert exact.unstable_pole(turn - 1e-9 * np.eye(2), Continuous()) is None
+    assert exact.unstable_pole(np.array([[1 - 1e-15]]), Discrete(1)) is not None
+    assert exact.unstable_pole(np.array([[1 - 1e-9]]), Discrete(1)) is None
+    assert exact.unstable_pole(np.zeros((0, 0)), Continuous()) is None
 
 
 def test_a_double_undamped_mode_lasts_however_it_scatters() -> None:
@@ -62,7 +62,7 @@ def test_a_double_undamped_mode_lasts_however_it_scatters() -> None:
         A = np.diag([1.0] * 3, 1)
         A[-1] = [-(w**4), 0, -2 * w * w, 0]
         V = np.linalg.qr(rng.normal(size=(4, 4)))[0]
-        assert exact_lyapunov.unstable_pole(V @ A @ V.T, Continuous()) is not None
+        assert exact.unstable_pole(V @ A @ V.T, Continuous()) is not None
 
 
 @pytest.mark.parametrize(("s", "continuous", "sampled"), [(0.0, 0, None), (1.0, 1, 1), (-1.0, None, -1)])
@@ -70,7 +70,7 @@ def test_a_jordan_block_whose_left_eigenvectors_are_not_finite_counts(
     s: float, continuous: complex | None, sampled: complex | None
 ) -> None:
     """For s = 0 an eigenvector is infinite; without a bound in its place nothing would count as growing."""
-    block = exact_lyapunov.ball(s * np.eye(3) + np.eye(3, k=1))
+    block = exact.ball(s * np.eye(3) + np.eye(3, k=1))
     with precise.precision():
-        assert exact_lyapunov.exact_unstable_pole(block, Continuous()) == continuous
-        assert exact_lyapunov.exact_unstable_pole(block, Discrete(1.0)) == sampled
+        assert exact.exact_unstable_pole(block, Continuous()) == continuous
+        assert exact.exact_unstable_pole(block, Discrete(1.0)) == sampled

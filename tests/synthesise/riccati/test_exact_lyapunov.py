@@ -6,7 +6,7 @@ import pytest
 import scipy.linalg
 
 from synth.analyse.numerics import precise
-from synth.synthesise.riccati import exact_lyapunov
+from synth.synthesise.riccati import exact
 from synth.synthesise.riccati.equation import Bilinear
 from tests import tolerances
 
@@ -26,8 +26,8 @@ def test_the_balls_hold_the_solution(continuous: bool, seed: int) -> None:
     Y = precise.matrix(C @ C.T + np.eye(len(A)))
     with precise.precision():
         balls = precise.matrix(A)
-        W = exact_lyapunov.operator(balls, Y, continuous) * -1
-        enclosed = exact_lyapunov.solution(balls, W.mid(), continuous)
+        W = exact.operator(balls, Y, continuous) * -1
+        enclosed = exact.solution(balls, W.mid(), continuous)
         np.testing.assert_array_equal(precise.doubles(enclosed), precise.rounded(Y))
         assert enclosed.contains(Y) and not enclosed.contains(Y * (1 + flint.arb(2) ** -150))
         solver = scipy.linalg.solve_continuous_lyapunov if continuous else scipy.linalg.solve_discrete_lyapunov
@@ -41,26 +41,26 @@ def test_a_centre_that_is_off_has_a_radius_that_covers_it(continuous: bool, off:
     A = stable(3, continuous)
     with precise.precision():
         balls, Y = precise.matrix(A), precise.matrix(np.eye(len(A)))
-        W = exact_lyapunov.operator(balls, Y, continuous) * -1
-        decay = exact_lyapunov.stable_map(balls, Bilinear(1.0, continuous))
+        W = exact.operator(balls, Y, continuous) * -1
+        decay = exact.stable_map(balls, Bilinear(1.0, continuous))
         H = decay.majorant(np.ones(len(A)))
         away = Y + precise.matrix(np.ones(A.shape)) * off
-        defect = exact_lyapunov.frobenius(exact_lyapunov.operator(balls, away, continuous) + W)
-        assert exact_lyapunov.balls(away, H, defect).contains(Y)
-        assert not exact_lyapunov.balls(away, H, defect * flint.arb(2) ** -20).contains(Y)
+        defect = exact.frobenius(exact.operator(balls, away, continuous) + W)
+        assert exact.balls(away, H, defect).contains(Y)
+        assert not exact.balls(away, H, defect * flint.arb(2) ** -20).contains(Y)
 
 
 @pytest.mark.parametrize("continuous", [True, False])
 def test_a_majorant_that_is_too_small_is_detected(continuous: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    A, gramian = stable(3, continuous), exact_lyapunov.StableMap.gramian
+    A, gramian = stable(3, continuous), exact.StableMap.gramian
     with precise.precision():
-        decay = exact_lyapunov.stable_map(precise.matrix(A), Bilinear(1.0, continuous))
+        decay = exact.stable_map(precise.matrix(A), Bilinear(1.0, continuous))
         for factor, is_proved in ((1.0, True), (0.4, False)):
-            monkeypatch.setattr(exact_lyapunov.StableMap, "gramian", lambda s, W, f=factor: gramian(s, W) * f)
+            monkeypatch.setattr(exact.StableMap, "gramian", lambda s, W, f=factor: gramian(s, W) * f)
             assert (decay.majorant(np.ones(len(A))) is not None) == is_proved
 
 
 @pytest.mark.parametrize(("A", "continuous"), [(0.0, True), (0.5, True), (1.0, False), (-1.5, False)])
 def test_what_is_not_stable_has_no_solution(A: float, continuous: bool) -> None:
     with precise.precision(), pytest.raises(ZeroDivisionError):
-        exact_lyapunov.solution(flint.arb_mat([[A]]), flint.arb_mat([[1]]), continuous)
+        exact.solution(flint.arb_mat([[A]]), flint.arb_mat([[1]]), continuous)

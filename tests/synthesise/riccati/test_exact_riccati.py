@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from synth.analyse.numerics import precise
 from synth.errors import ModelError
-from synth.synthesise.riccati import exact_riccati, riccati
+from synth.synthesise.riccati import exact, riccati
 from synth.synthesise.riccati.equation import Equation
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
@@ -98,39 +98,39 @@ def test_more_bits_are_taken_where_the_first_ones_do_not_suffice(monkeypatch: py
     assert solution.forward_error <= 1e-12 and solution.residual <= HALF_BIT
     equation = Equation(A, B, Q, R, np.zeros(B.shape), True)
     for bits in ((64, precise.BITS), (64,)):
-        monkeypatch.setattr(exact_riccati, "BITS", bits)
+        monkeypatch.setattr(exact, "BITS", bits)
         if len(bits) > 1:
-            np.testing.assert_array_equal(exact_riccati.solve(equation).L, solution.L)
+            np.testing.assert_array_equal(exact.solve(equation).L, solution.L)
     with pytest.raises(ModelError, match="does not converge within 64 bits"):
-        exact_riccati.solve(equation)
+        exact.solve(equation)
 
 
 def test_what_no_input_stabilises_is_refused() -> None:
     """x' = x + u: X = 1 gives A - B L = 0, which has no step."""
     one = np.ones((1, 1))
     equation = Equation(one, one, 3 * one, one, 0 * one, True)
-    assert exact_riccati.solve(equation).X == 3 and np.isinf(exact_riccati.certify(equation, one).step)
+    assert exact.solve(equation).X == 3 and np.isinf(exact.certify(equation, one).step)
     with pytest.raises(ModelError, match="does not converge within 1024 bits, or its loop is not stable"):
-        exact_riccati.solve(Equation(one, 0 * one, 3 * one, one, 0 * one, True))
+        exact.solve(Equation(one, 0 * one, 3 * one, one, 0 * one, True))
     with pytest.raises(ModelError, match=r"R \+ B'XB is singular: this X has no gain"):
-        exact_riccati.certify(Equation(one, one, one, one, 0 * one, False), -one)
+        exact.certify(Equation(one, one, one, one, 0 * one, False), -one)
 
 
 @pytest.mark.parametrize("time", [CONTINUOUS, SAMPLED])
 @pytest.mark.parametrize("bits", [40, 52, 80])
 def test_a_limit_that_is_off_gives_no_wrong_bit(monkeypatch: pytest.MonkeyPatch, time: Time, bits: int) -> None:
     """The first precision returns a centre that is off by 2^-bits of X; the enclosure leaves that to the second."""
-    e, limit, centres = cross_weighted(1, time), exact_riccati._doubling_limit, []
-    right = exact_riccati.solve(e)
+    e, limit, centres = cross_weighted(1, time), exact._doubling_limit, []
+    right = exact.solve(e)
 
-    def off(problem: exact_riccati._Problem, X0: flint.arb_mat) -> flint.arb_mat | None:
+    def off(problem: exact._Problem, X0: flint.arb_mat) -> flint.arb_mat | None:
         centre = limit(problem, X0)
         assert centre is not None
         centres.append(centre * (1 + flint.arb(2) ** -bits) if flint.ctx.prec == precise.BITS else centre)
         return centres[-1].mid()
 
-    monkeypatch.setattr(exact_riccati, "_doubling_limit", off)
-    solution = exact_riccati.solve(e)
+    monkeypatch.setattr(exact, "_doubling_limit", off)
+    solution = exact.solve(e)
     assert solution.X.tobytes() == right.X.tobytes() and solution.L.tobytes() == right.L.tobytes()
     assert (len(centres) > 1) == (bits < 80)
 
@@ -180,7 +180,7 @@ def cross_weighted(seed: int, time: Time) -> Equation:
 @pytest.mark.parametrize("seed", range(8))
 def test_random_problems_are_correctly_rounded_and_a_wrong_last_bit_is_detected(time: Time, seed: int) -> None:
     e = cross_weighted(seed, time)
-    solution = exact_riccati.solve(e)
+    solution = exact.solve(e)
     with mpmath.workdps(80):
         X, L = mpmath_solution(e)
         np.testing.assert_array_equal(solution.X, np.array(X.tolist(), dtype=float))
@@ -188,7 +188,7 @@ def test_random_problems_are_correctly_rounded_and_a_wrong_last_bit_is_detected(
     wrong = solution.X.copy()
     wrong[-1, -1] = np.nextafter(wrong[-1, -1], np.inf)
     assert not np.array_equal(wrong, np.array(X.tolist(), dtype=float))
-    right, flagged = exact_riccati.certify(e, solution.X), exact_riccati.certify(e, wrong)
+    right, flagged = exact.certify(e, solution.X), exact.certify(e, wrong)
     unit = np.spacing(solution.X[-1, -1])
     assert right.step[-1, -1] <= unit * 0.51 and flagged.step[-1, -1] >= unit * 0.49
     assert solution.step[-1, -1] == pytest.approx(right.step[-1, -1], rel=1e-6, abs=1e-8 * unit)
@@ -202,8 +202,8 @@ def test_the_enclosure_holds_the_solution_and_a_ball_that_is_off_does_not(time: 
     e = cross_weighted(seed, time)
     E = np.random.default_rng(seed).normal(size=e.A.shape)
     with precise.precision(), mpmath.workdps(80):
-        problem, X = exact_riccati._problem(e), mpmath_solution(e)[0]
-        centre = exact_riccati._doubling_limit(problem, precise.matrix(np.zeros_like(e.A)))
+        problem, X = exact._problem(e), mpmath_solution(e)[0]
+        centre = exact._doubling_limit(problem, precise.matrix(np.zeros_like(e.A)))
         assert centre is not None
         tight = problem.enclosure(centre)
         balls = problem.enclosure(centre + precise.matrix(E + E.T) * off)
@@ -220,7 +220,7 @@ def test_another_solution_and_a_centre_too_far_off_have_no_enclosure(time: Time)
     one, a = np.ones((1, 1)), 1.0 if time is CONTINUOUS else 2.0
     h = a if time is CONTINUOUS else a * a / 2
     with precise.precision():
-        problem = exact_riccati._problem(Equation(a * one, one, one, one, 0 * one, time is CONTINUOUS))
+        problem = exact._problem(Equation(a * one, one, one, one, 0 * one, time is CONTINUOUS))
         root = (flint.arb(h) ** 2 + 1).sqrt()
         stabilising, other = flint.arb_mat([[h + root]]), flint.arb_mat([[h - root]])
         assert problem.enclosure(stabilising.mid()) is not None and problem.enclosure(other.mid()) is None
@@ -243,7 +243,7 @@ def test_a_chain_of_twelve_states_agrees_with_slicot_and_scipy(continuous: bool)
     if not continuous:
         step = scipy.linalg.expm(1e-2 * np.block([[e.A, e.B], [np.zeros((4, 16))]]))
         e = Equation(step[:12, :12], step[:12, 12:], e.Q, e.R, 0.1 * e.N, False)
-    X = exact_riccati.solve(e).X
+    X = exact.solve(e).X
     solver = scipy.linalg.solve_continuous_are if continuous else scipy.linalg.solve_discrete_are
     slicots = slycot.sb02od(12, 4, e.A.copy(), e.B.copy(), e.Q.copy(), e.R.copy(), "C" if continuous else "D")[0]
     for other in (solver(e.A, e.B, e.Q, e.R), slicots):
@@ -254,7 +254,7 @@ def test_twenty_four_states_take_less_than_a_second() -> None:
     """A method of order n^6 took more than 20 s."""
     e = driven_masses(8)
     begun = process_time()
-    exact_riccati.solve(e)
+    exact.solve(e)
     assert process_time() - begun < 1.0
 
 

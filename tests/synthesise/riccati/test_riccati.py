@@ -14,7 +14,7 @@ from synth.analyse import discretise
 from synth.analyse.structure import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
-from synth.synthesise.riccati import exact_riccati, riccati, solvability, weights
+from synth.synthesise.riccati import exact, riccati, solvability, weights
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
 
@@ -166,7 +166,7 @@ def test_the_other_solution_is_not_shipped(monkeypatch: pytest.MonkeyPatch) -> N
     """x' = x + u, Q = 3: the other solution is X = -1; X = 1 makes A - B L = 0."""
     c = model([[1.0]], [[1.0]])
     np.testing.assert_array_equal(riccati.solve(c, [[3.0]], [[1.0]]).X, [[3.0]])
-    monkeypatch.setattr(exact_riccati, "solve", lambda e, *_: exact_riccati.certify(e, np.array([[-1.0]])))
+    monkeypatch.setattr(exact, "solve", lambda e, *_: exact.certify(e, np.array([[-1.0]])))
     with pytest.raises(ModelError, match=r"leaves the pole 2.*, which does not decay"):
         riccati.solve(c, [[3.0]], [[1.0]])
 

@@ -7,7 +7,7 @@ from synth.errors import ModelError
 from synth.statespace import of
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman
-from synth.synthesise.riccati import exact_riccati, riccati, solvability
+from synth.synthesise.riccati import exact, riccati, solvability
 from synth.synthesise.riccati.equation import Equation, decays
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -32,7 +32,7 @@ def distance_of_exact_newton_step(p: problems.Problem, X: np.ndarray) -> float:
     (A, B, time), Q, R, N = p
     Q = (Q + Q.T) / 2
     e = Equation(A, B, Q, R, np.zeros(B.shape) if N is None else N, isinstance(time, Continuous))
-    solution = exact_riccati.certify(e, X)
+    solution = exact.certify(e, X)
     assert decays(solution.poles(), e.continuous)
     return float(solution.step.max() / np.abs(X).max())
 
