@@ -25,10 +25,10 @@ from synth.block import Block
 from synth.blocks.guard import safety
 from synth.declare.companion import Companion
 from synth.declare.stage import Stage
-from synth.emit import write
+from synth.emit import pipeline, write
 from synth.emit.c import manifest
 from synth.emit.write import EmittedCode
-from synth.errors import DesignError
+from synth.errors import DesignError, EmitError
 from synth.execute import host
 from synth.fault import with_reactions
 from synth.plant import Plant
@@ -98,17 +98,20 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     error = stage.surrogate_error.get(scalar)  # allowed relative error of the approximations of functions
     gains_document = stage.gains(scalar) if stage.gains else gains(stage, scalar)
     block, notes = _with_measured_safe_output(stage), header_notes(stage)
-    files = write.emit(
-        block,
-        scalar,
-        {"design": gains_document},
-        error=error,
-        header_notes=notes,
-        datasheet_notes=[*stage.datasheet_notes, *_bench(stage)],
-        warning=stage.warning,
-        latency=_latency(stage),
-        gain_error=stage.gain_error,
-    )
+    try:
+        files = write.emit(
+            block,
+            scalar,
+            {"design": gains_document},
+            error=error,
+            header_notes=notes,
+            datasheet_notes=[*stage.datasheet_notes, *_bench(stage)],
+            warning=stage.warning,
+            latency=_latency(stage),
+            gain_error=stage.gain_error,
+        )
+    except EmitError as refused:
+        raise _on_bench(stage, scalar, refused) from refused
     controller = host.load(files.files, files.manifest)
     record_inputs = standard.stimuli_of(stage).vectors or record
     inputs = dict(record_inputs(rigs.of_stage(stage, controller)))
@@ -161,6 +164,23 @@ def _bench(stage: Stage) -> list[str]:
         for n, (low, high) in stage.tuning.bench.ranges.items()
     ]
     return [f"Constants that are tuned on the machine follow from {'; '.join(ranges)}: `synth tune` computes them."]
+
+
+def _on_bench(stage: Stage, scalar: type[np.floating], refused: EmitError) -> EmitError:
+    """Return why a law is refused, with the largest ranges of its bench over which it is not."""
+
+    def proves(block: Block) -> bool:
+        try:
+            pipeline.reduce(block.rounded(scalar), scalar, error=stage.surrogate_error.get(scalar))
+        except EmitError:
+            return False
+        return True
+
+    if not _bench(stage) or not proves(stage.controller.block):
+        return refused
+    ranges = [f"{n} within {low:.4g} .. {high:.4g}" for n, (low, high) in tunable.proved_ranges(stage, proves).items()]
+    mend = f"declare {', '.join(ranges)}, over which it is proved" if ranges else "declare the law without a bench"
+    return EmitError(f"over the ranges of the bench: {refused}; at the declared values it is proved: {mend}")
 
 
 def _latency(stage: Stage) -> int:

@@ -8,7 +8,7 @@ so that k is t to the last bit after the last of them, and between the two befor
 holds on the way.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import product
 
@@ -19,6 +19,7 @@ from synth.declare.tuning import FreeParameter, Tuning
 from synth.errors import DesignError
 from synth.signals import Signal
 
+STEPS = 5  # of the bisection for the largest ranges that are proved
 MARGIN = 0.05  # of a range, by which what follows from the corners and the middle of the box is widened on each side
 
 
@@ -33,6 +34,27 @@ def with_bench(stage: Stage) -> Block:
     require_declared_values(stage, tuning)
     samples = max(1, round(tuning.bench.ramp_s / block.time.period_s))
     return with_tunable(block, ranges(stage.name, tuning), samples)
+
+
+def proved_ranges(stage: Stage, proves: Callable[[Block], bool]) -> dict[str, tuple[float, float]]:
+    """Return the largest ranges of the bench, shrunk alike towards the declared values, whose Block `proves`.
+
+    Empty where even the smallest that is tried, a 32nd of the declared ones, is not proved.
+    """
+    assert stage.tuning is not None and stage.tuning.bench is not None
+    tuning, bench = stage.tuning, stage.tuning.bench
+    declared = {f.name: f.value for f in tuning.free}
+
+    def shrunk(share: float) -> dict[str, tuple[float, float]]:
+        ends = ((n, declared[n], low, high) for n, (low, high) in bench.ranges.items())
+        return {n: (v - share * (v - low), v + share * (high - v)) for n, v, low, high in ends}
+
+    proved, refused = 0.0, 1.0
+    for _ in range(STEPS):
+        share = (proved + refused) / 2
+        of = replace(stage, tuning=replace(tuning, bench=replace(bench, ranges=shrunk(share))))
+        proved, refused = (share, refused) if proves(with_bench(of)) else (proved, share)
+    return shrunk(proved) if proved else {}
 
 
 @cache.cached

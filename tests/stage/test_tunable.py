@@ -1,6 +1,7 @@
 """Constants that are tuned on the machine: bits at the default, at other values and on the way, and what is refused."""
 
 import ctypes
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
@@ -9,8 +10,12 @@ import numpy as np
 import pytest
 
 from designs.levitator_2dof import design as levitator
+from synth import stage as stages
 from synth.app import standard_tasks
+from synth.block import Block, Constant, Exprs, Step, build
 from synth.declare.stage import Stage
+from synth.declare.tuning import Bench, FreeParameter, Tuning
+from synth.errors import EmitError
 from synth.execute import host
 from synth.execute.host import Controller
 from synth.simulate import rig as rigs
@@ -114,3 +119,39 @@ def call(state: host.Records, parameters: host.Records, left: int = 1) -> int:
 def test_no_call_left_changes_nothing() -> None:
     state = tuned().init()
     assert tuned().tune(state, values(TUNED), 0) == 4 and state.tobytes() == tuned().init().tobytes()
+
+
+def dividing(gain: float) -> Block:
+    """Return a law that divides by a gain."""
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({"i1_demand": u["z_error"] / k["gain"], "i2_demand": u["x_error"]})
+
+    interface = levitator.INTERFACE
+    return build(
+        "law",
+        levitator.TIME,
+        law,
+        inputs=[interface.error("z"), interface.error("x")],
+        outputs=[interface.demand("i1"), interface.demand("i2")],
+        constants=[Constant("gain", gain, "m/A", "of the test")],
+    )
+
+
+def test_a_range_that_is_not_proved_is_refused_with_the_largest_that_is() -> None:
+    def controller(p: Mapping[str, float]) -> stages.Controller:
+        return stages.controller("levitator_2dof", levitator.TIME, levitator.INTERFACE, [dividing(p["gain"])])
+
+    tuning = Tuning([FreeParameter("gain", 1.0, -2.0, 4.0, "m/A")], controller, bench=Bench({"gain": (-1.0, 3.0)}))
+    stage = replace(DESIGN, controller=controller({"gain": 1.0}), tuning=tuning)
+    with pytest.raises(EmitError) as refused:
+        standard_tasks.emit(stage, np.float32)
+    text = str(refused.value)
+    assert "the denominator" in text and "law_gain" in text
+    ends = re.search(r"declare gain within (\S+) \.\. (\S+), over which it is proved", text)
+    assert ends is not None
+    low, high = map(float, ends.groups())
+    # The range is widened by 5 % at each end, and no longer holds 0 from 10/11 of the way to it on.
+    assert 0.09 < low < 0.21 and high == pytest.approx(1 + 2 * (1 - low) / 2, rel=1e-3)
+    narrowed = replace(tuning, bench=Bench({"gain": (low, high)}))
+    assert tunable.with_bench(replace(stage, tuning=narrowed)).tunable == ("law_gain",)
