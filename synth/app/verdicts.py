@@ -24,7 +24,7 @@ from synth.analyse.loops.robustness import Survey
 from synth.check import NO_LIMIT, Check
 from synth.declare.stage import DISK, MARGINS, Stage
 from synth.errors import DesignError
-from synth.report import first_screen, sections
+from synth.report import first_screen
 from synth.report.audit import Row, Verdict
 from synth.signals import per_second
 from synth.simulate import experiments
@@ -224,8 +224,8 @@ def of_build(
     """Return all checks of the results of a build by the title of the section that shows them."""
     return {
         first_screen.LOOPS: margins(stage, loops),
-        sections.STUDY: study(stage, table),
-        sections.FAULTS: worst_faults(stage, campaign),
+        first_screen.STUDY: study(stage, table),
+        first_screen.FAULTS: worst_faults(stage, campaign),
         first_screen.COST: cost(stage, measured),
         first_screen.AUDIT: audit(rows),
     }
@@ -240,7 +240,7 @@ def requirements(lost: Sequence[Check], evidence: Evidence, runs: Sequence[Exper
             *evidence.verdicts.items(),
             (first_screen.EXPERIMENTS, [c for c in of_runs if c.name == experiments.NAME]),
             (first_screen.EXPERIMENTS, [c for c in of_runs if c.name != experiments.NAME]),
-            (sections.FAULTS, evidence.faults.checks if evidence.faults else ()),
+            (first_screen.FAULTS, evidence.faults.checks if evidence.faults else ()),
             (first_screen.VERIFICATION, evidence.checks),
         ]
     )

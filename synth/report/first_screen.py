@@ -21,6 +21,7 @@ from synth.check import Check
 from synth.report.notation import number, quantities, readable
 
 LOOPS, EXPERIMENTS, AUDIT = "Loops and margins", "Experiments", "Audit of the paper"
+FAULTS, STUDY = "What faults do to the machine", "Study of the tolerances"
 VERIFICATION, COST = "Verification", "Cost"
 MANY = 9  # names of passed checks in a group, of which more share one row
 COLUMNS = ("requirement", "worst value", "limit", "margin", "where")

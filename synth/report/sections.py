@@ -212,7 +212,6 @@ def _recomputed_text(row: Row) -> str:
     return "\n".join(f"{f.name} {number(f.value, 5)} {readable(f.unit)}".rstrip() for f in row.recomputed)
 
 
-FAULTS = "What faults do to the machine"
 ABOUT_FAULTS = (
     "Each fault of the interface is injected into the closed loop of compiled C and full plant, at rest and in motion, "
     "and compared with the healthy run. Excursion: largest distance from the healthy run. Impact: fastest on a stop "
@@ -231,7 +230,7 @@ def fault_campaign(result: Campaign) -> Section:
     checks = (page.Checks("Limits of faults", result.checks),) if result.checks else ()
     notes = page.Text("\n\n".join(f"{note[0].upper()}{note[1:]}." for note in fault_table.notes(result)))
     folded = page.Folded("Every fault", (every,))
-    return Section(FAULTS, (page.Text(ABOUT_FAULTS), table, *_magnitudes(result), notes, *checks, folded))
+    return Section(first_screen.FAULTS, (page.Text(ABOUT_FAULTS), table, *_magnitudes(result), notes, *checks, folded))
 
 
 def _magnitudes(result: Campaign) -> tuple[show.Table, ...]:
@@ -243,7 +242,6 @@ def _magnitudes(result: Campaign) -> tuple[show.Table, ...]:
     return (show.Table(caption, fault_table.MAGNITUDE_COLUMNS, rows),) if rows else ()
 
 
-STUDY = "Study of the tolerances"
 ABOUT_STUDY = (
     "The experiments run on machines within the tolerances of their parameters and sensors. Nominal: the machine "
     "without deviations. 95 %: the value that 95 % of the machines do not exceed. Row: the worst machine, which "
@@ -261,7 +259,7 @@ def study_of_tolerances(table: StudyTable, worst: WorstCase | None = None) -> Se
     notes = page.Text("\n\n".join([*study.notes(table), *(worst_case.notes(worst) if worst else [])]))
     tables = (show.Table(f"Limits on {len(table.rows)} machines", COLUMNS, limited),) if limited else ()
     folded = (page.Folded("Values without a limit", (show.Table("Values", COLUMNS, others),)),) if others else ()
-    return Section(STUDY, (page.Text(ABOUT_STUDY), notes, *tables, *folded))
+    return Section(first_screen.STUDY, (page.Text(ABOUT_STUDY), notes, *tables, *folded))
 
 
 def page_text(name: str, table: StudyTable, worst: WorstCase | None = None) -> str:

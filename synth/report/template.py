@@ -82,8 +82,8 @@ def report(stage: Stage, results: Results) -> str:
     makers = {
         **_declared_sections(stage, gains(stage.name, files), evidence, extra),
         standard.EXPERIMENTS: lambda: standard.experiments(runs, extra.shown or default_style(stage)),
-        **({sections.STUDY: partial(sections.study_of_tolerances, evidence.study)} if evidence.study else {}),
-        **({sections.FAULTS: partial(sections.fault_campaign, evidence.faults)} if evidence.faults else {}),
+        **({first_screen.STUDY: partial(sections.study_of_tolerances, evidence.study)} if evidence.study else {}),
+        **({first_screen.FAULTS: partial(sections.fault_campaign, evidence.faults)} if evidence.faults else {}),
         **({standard.AUDIT: lambda: standard.audit(rows)} if rows else {}),
         standard.VERIFICATION: lambda: standard.verification(evidence, extra.floor),
         first_screen.COST: lambda: _with_blocks(sections.cost(cost), extra.cost(runs) if cost else ()),
