@@ -352,10 +352,3 @@ def test_names_are_completed_from_the_workspace(monkeypatch: pytest.MonkeyPatch,
         (tmp_path / "designs" / name / "design.py").touch()
     monkeypatch.chdir(tmp_path)
     assert cli._complete("le") == ["lens", "lever"] and cli._complete("") == ["lens", "lever", "mirror"]
-
-
-def test_commands_begin_without_figures_and_formulas() -> None:
-    """Those of the report take longer to import than all else together."""
-    script = "import sys; from synth.app import commands; print({'matplotlib', 'sympy'} & {*sys.modules})"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert done.stdout.strip() == "set()", done.stdout + done.stderr

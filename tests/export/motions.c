@@ -42,6 +42,17 @@ void stage_pose(const double sensors[], double set_points[])
     (void)set_points;
 }
 
+void stage_tune(stage_t *stage, const levitator_2dof_parameters_t *parameters)
+{
+    (void)stage;
+    (void)parameters;
+}
+
+void stage_move(stage_t *stage)
+{
+    (void)stage;
+}
+
 static void run(const motion_t *motion, long at, int stops, double *used, double *longest)
 {
     const double sensors[N_SENSORS] = {0.0};

@@ -90,7 +90,8 @@ def motions(built: Path) -> Path:
     """A program of the machine alone, with a stage of large ranges."""
     sources = [
         Path(__file__).with_name("motions.c"),
-        *(built / "src" / f"{n}.c" for n in ("machine", "motion", "rest")),
+        *(built / "src" / f"{n}.c" for n in ("machine", "motion", "rest", "tuning")),
+        built / "controller" / "levitator_2dof.c",
     ]
     flags = ["-std=c99", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Werror", "-I", "src", "-I", "controller"]
     command = [*shlex.split(harness.compiler()), *flags, *map(str, sources), "-o", "motions", "-lm"]
