@@ -75,6 +75,36 @@ def test_an_independent_parser_reads_it(firmware: Path, tmp_path: Path) -> None:
             assert units[read["Conversion"]["Value"]] == fields[name]["unit"]
 
 
+IMAGE = """
+unsigned int flash_begin, flash_end;
+int start(unsigned int core_hz);
+void _start(void);
+void _start(void) { (void)start(168000000u); }
+"""
+
+
+@tools.needs("a2ltool", tools.ARM_GCC, shows="that the tool finds each object of the A2L in an image with the example")
+@pytest.mark.parametrize(
+    ("before", "after", "lost"), [("", "", 0), ('"loop.controller_in.z_ref"', '"loop.controller_in.z_reff"', 1)]
+)
+def test_the_addresses_are_found_in_an_image(before: str, after: str, lost: int, firmware: Path) -> None:
+    """And an object whose symbol the image does not have is left out."""
+    text = (firmware / f"{NAME}.a2l").read_text().replace(before, after)
+    (firmware / "image.c").write_text(IMAGE)
+    (firmware / "asked.a2l").write_text(text)
+    core = ["-g", "-O1", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-Isrc", "-Icontroller"]
+    sources = [*sorted(firmware.glob("src/*.c")), *sorted(firmware.glob("controller/*.c"))]
+    sources += [firmware / n for n in ("example.c", "board_user.c", "image.c")]
+    link = ["-nostartfiles", "--specs=nosys.specs", "-lm", "-o", "image.elf"]
+    subprocess.run([tools.ARM_GCC, *core, *map(str, sources), *link], cwd=firmware, check=True, capture_output=True)
+    asked = ["a2ltool", "asked.a2l", "--elffile", "image.elf", "--update", "--output", "found.a2l"]
+    subprocess.run(asked, cwd=firmware, check=True, capture_output=True)
+    result = (firmware / "found.a2l").read_text()
+    addresses = re.findall(r"(?:VALUE|ECU_ADDRESS) (0x[0-9A-F]+)", result)
+    assert len(addresses) == text.count("SYMBOL_LINK") - lost and len({*addresses}) == len(addresses)
+    assert "0x0" not in addresses
+
+
 PROBE = """
 #include <stdint.h>
 #define CYCLES_H
