@@ -54,7 +54,7 @@ def test_every_symbol_is_a_member_of_the_loop(before: str, after: str, fits: boo
     assert len(pairs) == text.count("SYMBOL_LINK") > 40
     tests = [f'_Static_assert(_Generic(({s}), {SIZES[t][0]}: 1, default: 0), "{s}");' for s, t in pairs]
     source = "\n".join(['#include "loop.h"', "static loop_t loop;", "int main(void)", "{", *tests, "}"])
-    assert (compiled(firmware, source, "-fsyntax-only").returncode == 0) == fits
+    assert (compiled(firmware, source, "-c", "-o", "probe.o").returncode == 0) == fits
 
 
 @tools.needs("pya2l", shows="that an independent parser reads the A2L, with the ranges of the constants")
