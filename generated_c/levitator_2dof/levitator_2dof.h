@@ -2,7 +2,7 @@
  * levitator_2dof.md.
  *
  * Call levitator_2dof_init once, then levitator_2dof_step once every 0.0005 s with the inputs of that sample. Nothing
- * else may change the state.
+ * but levitator_2dof_tune may change the state.
  *
  * Apply the outputs 1 sample, 0.0005 s, after the inputs of their sample were measured, neither sooner nor later, and
  * hold them until the next outputs are due. Margins and simulations assume this delay.
@@ -58,26 +58,27 @@ typedef struct {
 } levitator_2dof_output_t;
 
 typedef struct {
-    /* m/m s^2, -1.69431e-05 .. -1.65692e-05: servo of z: next_sum from w_z_excess */
+    /* m/m s^2, -1.69431169e-05 .. -1.65692109e-05: servo of z: next_sum from w_z_excess */
     float servo_z_next_sum_from_w_z_excess;
-    /* m/m s^2, 3.27594e-07 .. 3.60101e-07: servo of z: next_p1 from w_z_excess */
+    /* m/m s^2, 3.2759425e-07 .. 3.60101126e-07: servo of z: next_p1 from w_z_excess */
     float servo_z_next_p1_from_w_z_excess;
-    /* m/m s^2, -1.63066e-05 .. -1.61425e-05: servo of z: next_q1 from w_z_excess */
+    /* m/m s^2, -1.63066197e-05 .. -1.61424578e-05: servo of z: next_q1 from w_z_excess */
     float servo_z_next_q1_from_w_z_excess;
-    float servo_z_w_z_command_from_sum; /* m/s^2/m, -1086.95 .. -1062.96: servo of z: w_z_command from sum */
-    float servo_z_w_z_command_from_p1;  /* m/s^2/m, -4997.17 .. -2227.76: servo of z: w_z_command from p1 */
-    float servo_z_w_z_command_from_q1;  /* m/s^2/m, -1734.29 .. -1700.21: servo of z: w_z_command from q1 */
-    /* m/s^2/m, 367650 .. 419055: servo of z: w_z_command from z_predicted */
+    float servo_z_w_z_command_from_sum; /* m/s^2/m, -1086.94946 .. -1062.96228: servo of z: w_z_command from sum */
+    float servo_z_w_z_command_from_p1;  /* m/s^2/m, -4997.17334 .. -2227.75586: servo of z: w_z_command from p1 */
+    float servo_z_w_z_command_from_q1;  /* m/s^2/m, -1734.28955 .. -1700.21033: servo of z: w_z_command from q1 */
+    /* m/s^2/m, 367649.531 .. 419054.75: servo of z: w_z_command from z_predicted */
     float servo_z_w_z_command_from_z_predicted;
-    /* m/s^2/m s, -651.933 .. -578.204: servo of z: w_z_command from vz_predicted */
+    /* m/s^2/m s, -651.933167 .. -578.204407: servo of z: w_z_command from vz_predicted */
     float servo_z_w_z_command_from_vz_predicted;
-    /* m/s^2/m s^2, -0.31115 .. -0.27449: servo of z: w_z_command from w_z_late1_predicted */
+    /* m/s^2/m s^2, -0.311149955 .. -0.274490237: servo of z: w_z_command from w_z_late1_predicted */
     float servo_z_w_z_command_from_w_z_late1_predicted;
-    float servo_z_w_z_command_from_z_held; /* m/s^2/m, -540349 .. -487362: servo of z: w_z_command from z_held */
-    /* m/s^2/m, 71827.2 .. 72776.4: servo of z: w_z_command from z_ref_held */
+    /* m/s^2/m, -540348.812 .. -487361.594: servo of z: w_z_command from z_held */
+    float servo_z_w_z_command_from_z_held;
+    /* m/s^2/m, 71827.25 .. 72776.4219: servo of z: w_z_command from z_ref_held */
     float servo_z_w_z_command_from_z_ref_held;
-    float servo_z_start_sum_from_z_held; /* m/m, -45.6422 .. -44.0528: servo of z: start_sum from z_held */
-    uint32_t check;                     /* 1, 0 .. 4.29497e+09: of the bits of the others */
+    float servo_z_start_sum_from_z_held; /* m/m, -45.6422234 .. -44.0528107: servo of z: start_sum from z_held */
+    uint32_t check;                     /* 1, 0 .. 4.2949673e+09: of the bits of the others */
 } levitator_2dof_parameters_t;
 
 /* Put the state to its initial values. The caller owns it. */

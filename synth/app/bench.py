@@ -56,38 +56,19 @@ def try_values(stage: Stage, values: Mapping[str, float]) -> Tried:
         return verdicts.least_margins(changed, verdicts.survey(changed))
 
     try:
-        margins = store.fetch(cache.key(try_values, _of_margins(stage), every), compute)
+        margins = store.fetch(
+            cache.key(try_values, verdicts.survey, tuning.controller, replace(stage, tuning=None, require={}), every),
+            compute,
+        )
     except ContentError:
         margins = compute()
     missed = tuple(n for n, least in stage.require.items() if not margins.get(n, np.nan) >= least)
     return Tried({n: every[n] for n in bench.ranges}, margins, missed)
 
 
-def _of_margins(stage: Stage) -> tuple[Any, ...]:
-    """Return what the margins of a stage depend on."""
-    return (
-        verdicts.survey,
-        stage.tuning and stage.tuning.controller,
-        stage.plant,
-        stage.operating_points,
-        stage.loops,
-        stage.coordinates,
-        stage.tolerances,
-        stage.cases,
-        stage.wires,
-        stage.scalar,
-        stage.interface,
-    )
-
-
 def over(stage: Stage, say: Progress) -> BenchMargins:
     """Return the margins over the bench of a stage."""
-    tuning, bench = of(stage)
-    free = [
-        replace(f, low=bench.ranges[f.name][0], high=bench.ranges[f.name][1])
-        for f in tuning.free
-        if f.name in bench.ranges
-    ]
+    free = tunable.of_bench(of(stage)[0])
     levels = np.linspace(0.0, 1.0, LEVELS.get(len(free), 3))
     tried: dict[tuple[float, ...], Tried] = {}
 

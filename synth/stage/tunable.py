@@ -67,8 +67,7 @@ def ranges(name: str, tuning: Tuning) -> dict[str, tuple[float, float]]:
     """
     assert tuning.bench is not None
     declared = {f.name: f.value for f in tuning.free}
-    middles = {f.name: replace(f, low=low, high=high).at(0.5) for f, low, high in _of_bench(tuning)}
-    levels = [{low, middles[f.name], f.value, high} for f, low, high in _of_bench(tuning)]
+    levels = [{f.low, f.at(0.5), f.value, f.high} for f in of_bench(tuning)]
     values_of: dict[str, list[float]] = {}
     for values in product(*levels):
         at = declared | dict(zip(tuning.bench.ranges, values, strict=True))
@@ -106,11 +105,11 @@ def constants_at(tuning: Tuning, values: Mapping[str, float]) -> dict[str, float
     return {c.name: c.value for c in tuning.controller(dict(values)).block.constants}
 
 
-def _of_bench(tuning: Tuning) -> list[tuple[FreeParameter, float, float]]:
-    """Return the free parameters of the bench with their ranges."""
+def of_bench(tuning: Tuning) -> list[FreeParameter]:
+    """Return the free parameters of the bench, each within its range there, in the order of the bench."""
     assert tuning.bench is not None
     free = {f.name: f for f in tuning.free}
-    return [(free[n], low, high) for n, (low, high) in tuning.bench.ranges.items()]
+    return [replace(free[n], low=low, high=high) for n, (low, high) in tuning.bench.ranges.items()]
 
 
 def with_tunable(block: Block, ranges: Mapping[str, tuple[float, float]], ramp: int) -> Block:

@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks import beacons, glsdc
 from synth.blocks.estimate.glsdc_solution import Iteration
+from synth.execute import cross
 from synth.simulate import worst_case
 
 
@@ -22,7 +23,8 @@ def test_a_sample_of_ranges_costs_what_it_did() -> None:
         name: glsdc.count_instructions(beacons.block(of, monitor, iteration=Iteration(2)), of)
         for name, monitor in glsdc.monitors(of).items()
     }
-    assert counted["none"] < 550 and counted["none"] < counted["test"] < counted["exclusion"] < 1200
+    most = 1000 if "gcc" in cross.available() else 1200  # of zig
+    assert counted["none"] < 550 and counted["none"] < counted["test"] < counted["exclusion"] < most
 
 
 @pytest.mark.parametrize("monitor", ["test", "exclusion"])

@@ -15,6 +15,7 @@ from synth.app import standard_tasks
 from synth.block import Block, Constant, Exprs, Step, build
 from synth.declare.stage import Stage
 from synth.declare.tuning import Bench, FreeParameter, Tuning
+from synth.emit import write
 from synth.errors import EmitError
 from synth.execute import host
 from synth.execute.host import Controller
@@ -90,6 +91,17 @@ def test_a_value_that_is_not_in_its_range_changes_nothing(name: str, bad: float 
     assert state.tobytes() == tuned().init().tobytes()
     if isinstance(bad, str):
         assert tuned().tune(state, values(TUNED) | {name: ends[bad]}) == 0
+
+
+def test_each_end_of_a_range_is_taken_as_the_header_prints_it() -> None:
+    emitted = write.emit(tunable.with_bench(DESIGN), np.float32)
+    struct = re.search(r"typedef struct \{([^}]*)\} levitator_2dof_parameters_t;", emitted.files["levitator_2dof.h"])
+    assert struct is not None
+    ends = re.findall(r", (\S+) \.\. ([^\s:]+): servo of z", struct[1])
+    assert len(ends) == len(values(TUNED))
+    for name, printed in zip(values(TUNED), ends, strict=True):
+        for end in printed:
+            assert tuned().tune(tuned().init(), values(TUNED) | {name: float(end)}) == 0, (name, end)
 
 
 def test_half_of_a_change_changes_nothing() -> None:

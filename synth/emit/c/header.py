@@ -41,7 +41,7 @@ def header(
             *(f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", ""),
             *("#ifdef __cplusplus", 'extern "C" {', "#endif", ""),
             *(f"typedef struct {state.tag} {state.type};", ""),
-            "\n\n".join(_struct(s) for s in called),
+            "\n\n".join(_struct(s, layout) for s in called),
             *("", "/* Put the state to its initial values. The caller owns it. */", f"{init_head(block.name)};", ""),
             *("/* Compute one sample: read `in`, write `out`, advance `state`.", *_faults(block), " */"),
             *(*rows(f"{step_head(block.name)};"), ""),
@@ -70,13 +70,14 @@ def _usage(
 ) -> list[str]:
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
+    other = f"Nothing but {name}_tune" if block.tunable else "Nothing else"
     at_once = "" if latency else ", and use its outputs at once"
     texts = [
         *([f"{name}: {warning}"] if warning else []),
         f"{name}: one step every {period}, {layout.ctype}. Generated: do not edit. What may fail and what follows: "
         f"{name}.md.",
-        f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample{at_once}. Nothing "
-        "else may change the state.",
+        f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample{at_once}. {other} "
+        "may change the state.",
         *_latency(block, latency),
         "The three pointers must not be null and must point to objects that do not overlap. One state serves one "
         "machine; steps on different states may run at the same time.",
@@ -206,11 +207,14 @@ def _size_checks(block: Block, layout: Layout) -> list[str]:
     return [standard, *asserted, "#else", *arrays, "#endif"]
 
 
-def _struct(struct: Struct) -> str:
-    members = [member(f.ctype, f.name, f.comment) for f in struct.fields]
+def _struct(struct: Struct, layout: Layout) -> str:
+    exact = struct is layout.parameters  # a value as printed is taken
+    members = [member(f.ctype, f.name, f.comment(layout.digits if exact else 6)) for f in struct.fields]
     return "typedef struct {\n" + "\n".join(members) + f"\n}} {struct.type};"
 
 
 def _state(struct: Struct, types: Mapping[str, str]) -> str:
-    members = [routines.state_member(f, types) if f.part else member(f.ctype, f.name, f.comment) for f in struct.fields]
+    members = [
+        routines.state_member(f, types) if f.part else member(f.ctype, f.name, f.comment()) for f in struct.fields
+    ]
     return f"struct {struct.tag} {{\n" + "\n".join(dict.fromkeys(members)) + "\n};"

@@ -68,7 +68,7 @@ def _state_row(f: Member, of_type: Sequence[Member]) -> str:
     name = f.path.split(".")[1]
     members = [m for m in of_type if m.path.split(".")[1] == name]
     units = dict.fromkeys(m.unit for m in members)
-    about = f.comment if len({(m.unit, m.low, m.high) for m in members}) == 1 else f"{' or '.join(units)}: {f.about}"
+    about = f.comment() if len({(m.unit, m.low, m.high) for m in members}) == 1 else f"{' or '.join(units)}: {f.about}"
     return member(f.ctype, name, about)
 
 

@@ -36,10 +36,11 @@ class Member:
         """What C writes after the struct's name: the member, in the struct of its Block where that has one."""
         return f"{self.part}.{self.name.removeprefix(f'{self.part}_')}" if self.part else self.name
 
-    @property
-    def comment(self) -> str:
-        """Unit, range and meaning, for the header."""
-        return f"{self.unit}, {self.low:.6g} .. {self.high:.6g}" + (f": {self.about}" if self.about else "")
+    def comment(self, digits: int = 6) -> str:
+        """Return unit, range and meaning, for the header; 9 digits read back to the bits of a float, 17 of a double."""
+        return f"{self.unit}, {self.low:.{digits}g} .. {self.high:.{digits}g}" + (
+            f": {self.about}" if self.about else ""
+        )
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,11 @@ class Layout:
     def ctype(self) -> str:
         """The scalar's name in C."""
         return CTYPES[self.scalar]
+
+    @property
+    def digits(self) -> int:
+        """Decimal digits that read back to the bits of the scalar."""
+        return 9 if self.scalar is np.float32 else 17
 
     @property
     def structs(self) -> tuple[Struct, ...]:

@@ -61,7 +61,7 @@ def test_the_oracle_detects_padding() -> None:
 def test_bounds_are_rounded_to_the_scalar_type(scalar: type[np.floating]) -> None:
     memory: Layout = layout(make(1, 1, 1, 0), scalar)
     assert [s.fields[0].high for s in memory.structs] == [float(scalar(0.1))] * 3
-    assert memory.input.fields[0].comment == "m, 0 .. 0.1: a length"
+    assert memory.input.fields[0].comment() == "m, 0 .. 0.1: a length"
     assert (memory.ctype, memory.input.type) == ("float" if scalar is np.float32 else "double", "box_input_t")
 
 
